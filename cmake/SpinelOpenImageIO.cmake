@@ -1,0 +1,11 @@
+# OpenImageIO by its own package file, made usable without OpenCV: Debian's lists /usr/include/opencv4 although only
+# one optional header needs it, and CMake refuses a target with a missing include directory.
+find_package(OpenImageIO REQUIRED)
+get_target_property(include_directories OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
+set(existing "")
+foreach(directory IN LISTS include_directories)
+    if(EXISTS "${directory}")
+        list(APPEND existing "${directory}")
+    endif()
+endforeach()
+set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${existing}")
