@@ -1,0 +1,392 @@
+#ifndef SPINEL_KERNELS_SDF_H
+#define SPINEL_KERNELS_SDF_H
+// Implicit surfaces: the solid is where f < 0, its surface where the sign of f changes.
+//
+// Evaluation: a tape of SdfOp (sdf_ops.h) over two small register files; gradients by forward-mode
+// differentiation, a Jacobian beside every point and a gradient beside every value (Griewank, Walther,
+// "Evaluating Derivatives", 2008).
+//
+// Tracing: sphere tracing (Hart 1996). A step of |f|/L, with L a Lipschitz constant of f, crosses no surface.
+// Steps are relaxed beyond that as long as consecutive spheres overlap, so none is skipped (Keinert et al.,
+// "Enhanced Sphere Tracing", STAG 2014). A hit is a change of sign, bracketed and refined to the precision of
+// floats; how small |f| is decides nothing. So a ray that starts just inside of a glass solid walks to its
+// exit, and one that starts just outside does not stick to the surface that it left.
+#include "scene_view.h"
+#include "sdf_ops.h"
+KERNELS_BEGIN
+
+const uint SDF_MAX_STEPS = 1024u;      // of one march; what happens at the bound: see sdf_march
+const uint SDF_MAX_REFINEMENTS = 48u;  // of one bracket
+const uint SDF_MAX_OFFSETS = 16u;      // doublings (and halvings) of sdf_offset_point
+const float SDF_RESOLUTION = 1.0e-6f;  // smallest step, relative to the size and position of the bounds
+const float SDF_RELAXATION = 1.6f;
+
+struct SdfPoints {
+    vec3 at[SDF_POINT_REGISTERS];
+};
+struct SdfValues {
+    float at[SDF_VALUE_REGISTERS];
+};
+
+// f at p, in local space. Sound as a distance after division by Sdf::lipschitz, inside Sdf's bounds.
+FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
+    SdfPoints points;
+    SdfValues values;
+    points.at[0] = p;
+    uint first = scene.sdfs.at[sdf].op_first;
+    uint end = first + scene.sdfs.at[sdf].op_count;
+    float value = 0.0f;  // of the latest value instruction: the last one writes the result
+    for (uint i = first; i < end; i++) {
+        SdfOp op = scene.sdf_ops.at[i];
+        vec4 d = op.data0;
+        vec3 e = vec3(op.data1.x, op.data1.y, op.data1.z);
+        if (op.op <= SDF_OP_REPEAT_CORNER) {
+            vec3 q = points.at[op.a];
+            switch (op.op) {
+                case SDF_OP_SIMILARITY: q = op.data1.w * sdf_rotate(d, q) + e; break;
+                case SDF_OP_TWIST: q = sdf_twist(q, d.x); break;
+                case SDF_OP_ELONGATE: q = q - clamp(q, -vec3(d.x, d.y, d.z), vec3(d.x, d.y, d.z)); break;
+                case SDF_OP_REPEAT: q = sdf_repeat(q, vec3(d.x, d.y, d.z), e); break;
+                case SDF_OP_REPEAT_CORNER: q = sdf_repeat_corner(q, vec3(d.x, d.y, d.z), e, d.w); break;
+            }
+            points.at[op.target] = q;
+            continue;
+        }
+        switch (op.op) {
+            case SDF_OP_SPHERE: value = length(points.at[op.a] - e) - d.x; break;
+            case SDF_OP_BOX: value = sdf_box(points.at[op.a] - e, vec3(d.x, d.y, d.z)) - d.w; break;
+            case SDF_OP_TORUS: value = sdf_torus(points.at[op.a] - e, d.x, d.y); break;
+            case SDF_OP_CYLINDER: value = sdf_cylinder(points.at[op.a] - e, d.x, d.y); break;
+            case SDF_OP_PLANE: value = dot(vec3(d.x, d.y, d.z), points.at[op.a] - e) - d.w; break;
+            case SDF_OP_GYROID: value = sdf_gyroid(points.at[op.a] - e, d); break;
+            case SDF_OP_MIN: value = min(values.at[op.a], values.at[op.b]); break;
+            case SDF_OP_MAX: value = max(values.at[op.a], values.at[op.b]); break;
+            case SDF_OP_SUBTRACT: value = max(values.at[op.a], -values.at[op.b]); break;
+            case SDF_OP_SMOOTH_MIN: value = sdf_smooth_min(values.at[op.a], values.at[op.b], d.x); break;
+            case SDF_OP_SMOOTH_MAX: value = -sdf_smooth_min(-values.at[op.a], -values.at[op.b], d.x); break;
+            case SDF_OP_SMOOTH_SUBTRACT:
+                value = -sdf_smooth_min(-values.at[op.a], values.at[op.b], d.x);
+                break;
+            case SDF_OP_MULTIPLY: value = values.at[op.a] * d.x; break;
+            case SDF_OP_OFFSET: value = values.at[op.a] - d.x; break;
+            case SDF_OP_SHELL: value = abs(values.at[op.a]) - d.x; break;
+            case SDF_OP_DISPLACE: {
+                vec3 s = sin(d.y * points.at[op.b]);
+                value = values.at[op.a] + d.x * s.x * s.y * s.z;
+                break;
+            }
+            case SDF_OP_FAR: {
+                float away = sdf_box(points.at[op.b] - vec3(d.x, d.y, d.z), e);
+                value = min(values.at[op.a], max(d.w, op.data1.w * away));
+                break;
+            }
+        }
+        values.at[op.target] = value;
+    }
+    return value;
+}
+
+struct SdfDualPoints {
+    vec3 at[SDF_POINT_REGISTERS];
+    mat3
+        jacobian[SDF_POINT_REGISTERS];  // column i: derivative by component i of the point that was asked for
+};
+struct SdfDualValues {
+    vec4 at[SDF_VALUE_REGISTERS];  // gradient, value
+};
+
+// (gradient of f, f) at p. At creases, where f has no gradient, that of one side.
+FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
+    SdfDualPoints points;
+    SdfDualValues values;
+    points.at[0] = p;
+    points.jacobian[0] = mat3(1.0f);
+    uint first = scene.sdfs.at[sdf].op_first;
+    uint end = first + scene.sdfs.at[sdf].op_count;
+    vec4 value = vec4(0.0f);
+    for (uint i = first; i < end; i++) {
+        SdfOp op = scene.sdf_ops.at[i];
+        vec4 d = op.data0;
+        vec3 d3 = vec3(d.x, d.y, d.z);
+        vec3 e = vec3(op.data1.x, op.data1.y, op.data1.z);
+        if (op.op <= SDF_OP_REPEAT_CORNER) {
+            vec3 q = points.at[op.a];
+            mat3 j = points.jacobian[op.a];
+            switch (op.op) {
+                case SDF_OP_SIMILARITY:
+                    q = op.data1.w * sdf_rotate(d, q) + e;
+                    j = op.data1.w * mat3(sdf_rotate(d, j[0]), sdf_rotate(d, j[1]), sdf_rotate(d, j[2]));
+                    break;
+                case SDF_OP_TWIST: {
+                    float c = cos(d.x * q.y);
+                    float s = sin(d.x * q.y);
+                    q = sdf_twist(q, d.x);
+                    // Columns: by x, by y (the angle changes too), by z.
+                    j = mat3(vec3(c, 0.0f, s), vec3(-d.x * q.z, 1.0f, d.x * q.x), vec3(-s, 0.0f, c)) * j;
+                    break;
+                }
+                case SDF_OP_ELONGATE: {
+                    vec3 moves = vec3(abs(q.x) > d.x ? 1.0f : 0.0f, abs(q.y) > d.y ? 1.0f : 0.0f,
+                                      abs(q.z) > d.z ? 1.0f : 0.0f);
+                    q = q - clamp(q, -d3, d3);
+                    j = mat3(j[0] * moves, j[1] * moves, j[2] * moves);
+                    break;
+                }
+                case SDF_OP_REPEAT: q = sdf_repeat(q, d3, e); break;
+                case SDF_OP_REPEAT_CORNER: q = sdf_repeat_corner(q, d3, e, d.w); break;
+            }
+            points.at[op.target] = q;
+            points.jacobian[op.target] = j;
+            continue;
+        }
+        if (op.op <= SDF_OP_GYROID) {
+            vec3 q = points.at[op.a] - e;
+            switch (op.op) {
+                case SDF_OP_SPHERE: value = vec4(sdf_unit(q), length(q) - d.x); break;
+                case SDF_OP_BOX: value = sdf_box_gradient(q, d3) - vec4(0.0f, 0.0f, 0.0f, d.w); break;
+                case SDF_OP_TORUS: value = sdf_torus_gradient(q, d.x, d.y); break;
+                case SDF_OP_CYLINDER: value = sdf_cylinder_gradient(q, d.x, d.y); break;
+                case SDF_OP_PLANE: value = vec4(d3, dot(d3, q) - d.w); break;
+                case SDF_OP_GYROID: value = sdf_gyroid_gradient(q, d); break;
+            }
+            vec3 g = vec3(value.x, value.y, value.z) * points.jacobian[op.a];
+            values.at[op.target] = vec4(g, value.w);
+            value = values.at[op.target];
+            continue;
+        }
+        vec4 a = values.at[op.a];
+        switch (op.op) {
+            case SDF_OP_MIN: value = a.w < values.at[op.b].w ? a : values.at[op.b]; break;
+            case SDF_OP_MAX: value = a.w > values.at[op.b].w ? a : values.at[op.b]; break;
+            case SDF_OP_SUBTRACT: value = a.w > -values.at[op.b].w ? a : -values.at[op.b]; break;
+            case SDF_OP_SMOOTH_MIN: value = sdf_smooth_min_gradient(a, values.at[op.b], d.x); break;
+            case SDF_OP_SMOOTH_MAX: value = -sdf_smooth_min_gradient(-a, -values.at[op.b], d.x); break;
+            case SDF_OP_SMOOTH_SUBTRACT: value = -sdf_smooth_min_gradient(-a, values.at[op.b], d.x); break;
+            case SDF_OP_MULTIPLY: value = a * d.x; break;
+            case SDF_OP_OFFSET: value = a - vec4(0.0f, 0.0f, 0.0f, d.x); break;
+            case SDF_OP_SHELL: value = sdf_sign(a.w) * a - vec4(0.0f, 0.0f, 0.0f, d.x); break;
+            case SDF_OP_DISPLACE: {
+                vec3 s = sin(d.y * points.at[op.b]);
+                vec3 c = cos(d.y * points.at[op.b]);
+                vec3 g = d.x * d.y * vec3(c.x * s.y * s.z, s.x * c.y * s.z, s.x * s.y * c.z);
+                value = a + vec4(g * points.jacobian[op.b], d.x * s.x * s.y * s.z);
+                break;
+            }
+            case SDF_OP_FAR: {
+                vec4 away = op.data1.w * sdf_box_gradient(points.at[op.b] - d3, e);
+                if (away.w > d.w) {
+                    away = vec4(vec3(away.x, away.y, away.z) * points.jacobian[op.b], away.w);
+                } else {
+                    away = vec4(0.0f, 0.0f, 0.0f, d.w);
+                }
+                value = a.w < away.w ? a : away;
+                break;
+            }
+        }
+        values.at[op.target] = value;
+    }
+    return value;
+}
+
+// A ray cut to the bounds of a solid and measured in local length from where it enters: far origins cost no
+// precision.
+struct SdfSegment {
+    vec3 origin;
+    vec3 direction;    // unit
+    float extent;      // local length; not positive: the ray misses the bounds
+    float t_first;     // the ray's t at origin …
+    float t_scale;     // … and per unit of length
+    float resolution;  // what is thinner than this is below the precision of f
+};
+
+// The part of the ray in (t_min, t_max) inside of the bounds.
+FN SdfSegment sdf_clip(const_in(Sdf) sdf, Ray ray, float t_max) {
+    SdfSegment segment = SdfSegment(ray.origin, ray.direction, -1.0f, 0.0f, 0.0f, 0.0f);
+    float speed = length(ray.direction);
+    if (!(speed > 1.0e-18f)) return segment;
+    vec3 d = ray.direction;
+    float least =
+        1.0e-12f * speed;  // a zero component, replaced, moves the clip by far less than the bounds' margin
+    d.x = abs(d.x) > least ? d.x : least;
+    d.y = abs(d.y) > least ? d.y : least;
+    d.z = abs(d.z) > least ? d.z : least;
+    vec3 to_lower = (sdf.lower - ray.origin) / d;
+    vec3 to_upper = (sdf.upper - ray.origin) / d;
+    float enter = max_component(min(to_lower, to_upper));
+    float leave = min_component(max(to_lower, to_upper));
+    // Rounded outwards: 2γ₃, Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013. Outside of its bounds f is
+    // positive.
+    enter -= 4.0e-7f * abs(enter);
+    leave += 4.0e-7f * abs(leave);
+    enter = max(enter, ray.t_min);
+    leave = min(leave, t_max);
+    if (!(enter < leave)) return segment;
+    segment.origin = ray_at(ray, enter);
+    segment.direction = ray.direction / speed;
+    segment.extent = (leave - enter) * speed;
+    segment.t_first = enter;
+    segment.t_scale = 1.0f / speed;
+    float scale = length(sdf.upper - sdf.lower) + max_component(max(abs(sdf.lower), abs(sdf.upper)));
+    segment.resolution = SDF_RESOLUTION * scale;
+    return segment;
+}
+
+// Two places on a segment, in its length, with the surface between them.
+struct SdfBracket {
+    float near;
+    float far;
+    float near_value;
+    float far_value;
+    bool found;
+};
+
+// Walks from the segment's start to the first change of sign.
+//  * No step is shorter than the segment's resolution, and a ray that crawls along a surface lengthens its
+//  steps
+//    slowly. What may be stepped over that way is a pair of crossings nearer to each other than that: in and
+//    out again.
+//  * A change of sign that is undone within one resolution is noise, as where coplanar faces of a difference
+//  cancel.
+//  * At the bound on steps the segment's end is asked: if its sign differs, the surface lies between and will
+//  be found.
+//    So a march finds a crossing exactly if start and end differ, or it passed one on its way: parity never
+//    breaks, and a ray inside of a solid always finds its exit, because the bounds lie outside.
+FN SdfBracket sdf_march(const_in(SceneView) scene, uint sdf, SdfSegment segment) {
+    float inverse_lipschitz = 1.0f / scene.sdfs.at[sdf].lipschitz;
+    float s = 0.0f;
+    float f = sdf_distance(scene, sdf, segment.origin);
+    bool inside = f < 0.0f;
+    float shortest = segment.resolution;
+    float relaxation = SDF_RELAXATION;
+    for (uint i = 0u; i < SDF_MAX_STEPS; i++) {
+        float radius = abs(f) * inverse_lipschitz;
+        bool crawling = radius < shortest;
+        float next = min(s + (crawling ? shortest : radius * relaxation), segment.extent);
+        float next_f = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
+        if (crawling) {
+            shortest = min(shortest * 1.05f, 1000.0f * segment.resolution);
+        } else {
+            if (radius > 16.0f * shortest) shortest = segment.resolution;
+            // Relaxed too far: the two spheres do not cover the way between their centres.
+            if (relaxation > 1.0f &&
+                ((next_f < 0.0f) != inside || radius + abs(next_f) * inverse_lipschitz < next - s)) {
+                relaxation = 1.0f;
+                next = min(s + radius, segment.extent);
+                next_f = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
+            }
+        }
+        if ((next_f < 0.0f) != inside) {
+            if (abs(next_f) * inverse_lipschitz >= segment.resolution || next >= segment.extent) {
+                return SdfBracket(s, next, f, next_f, true);
+            }
+            float beyond = min(next + segment.resolution, segment.extent);
+            float beyond_f = sdf_distance(scene, sdf, segment.origin + beyond * segment.direction);
+            if ((beyond_f < 0.0f) != inside) return SdfBracket(s, next, f, next_f, true);
+            next = beyond;
+            next_f = beyond_f;
+        }
+        s = next;
+        f = next_f;
+        if (s >= segment.extent) return SdfBracket(s, s, f, f, false);
+    }
+    float end_f = sdf_distance(scene, sdf, segment.origin + segment.extent * segment.direction);
+    return SdfBracket(s, segment.extent, f, end_f, (end_f < 0.0f) != inside);
+}
+
+// The place where the sign changes, to the precision of the point that f is asked at. Regula falsi in the
+// Illinois variant (Dowell, Jarratt, BIT 11, 1971), every third step a bisection so that the bracket shrinks
+// in any case.
+FN float sdf_refine(const_in(SceneView) scene, uint sdf, SdfSegment segment, SdfBracket bracket) {
+    float a = bracket.near;
+    float b = bracket.far;
+    float fa = bracket.near_value;
+    float fb = bracket.far_value;
+    bool inside = fa < 0.0f;
+    vec3 p = segment.origin + b * segment.direction;
+    float tolerance = 1.2e-7f * (max_component(abs(p)) + b);
+    int side = 0;
+    for (uint i = 0u; i < SDF_MAX_REFINEMENTS && b - a > tolerance; i++) {
+        float middle = 0.5f * (a + b);
+        float m = i % 3u == 2u ? middle : a - fa * ((b - a) / (fb - fa));
+        if (!(m > a && m < b)) m = middle;
+        if (!(m > a && m < b)) break;  // neighbouring floats
+        float fm = sdf_distance(scene, sdf, segment.origin + m * segment.direction);
+        if ((fm < 0.0f) == inside) {
+            a = m;
+            fa = fm;
+            if (side == 1) fb *= 0.5f;
+            side = 1;
+        } else {
+            b = m;
+            fb = fm;
+            if (side == -1) fa *= 0.5f;
+            side = -1;
+        }
+    }
+    return 0.5f * (a + b);
+}
+
+// The nearest surface of the solid in (t_min, min(t_max, hit.t)) replaces the hit, except for hit.instance,
+// which is the caller's. The ray is in local space, its direction of any length. The normal points out of the
+// solid, and against the ray exactly if the ray enters.
+FN void sdf_closest(const_in(SceneView) scene, uint sdf, Ray ray, inout(Hit) hit) {
+    float t_max = min(ray.t_max, hit.t);
+    SdfSegment segment = sdf_clip(scene.sdfs.at[sdf], ray, t_max);
+    if (!(segment.extent > 0.0f)) return;
+    SdfBracket bracket = sdf_march(scene, sdf, segment);
+    if (!bracket.found) return;
+    float s = sdf_refine(scene, sdf, segment, bracket);
+    // A crossing is not lost because t rounds to t_min.
+    float t = max(segment.t_first + s * segment.t_scale, ray.t_min + (1.5e-7f * abs(ray.t_min) + 1.0e-35f));
+    if (!(t < t_max)) return;
+    vec4 gradient = sdf_distance_gradient(scene, sdf, segment.origin + s * segment.direction);
+    vec3 normal = vec3(gradient.x, gradient.y, gradient.z);
+    float size = length(normal);
+    float towards = bracket.near_value < 0.0f ? 1.0f : -1.0f;  // sign of dot(outward normal, direction)
+    if (size > 0.0f) {
+        normal = normal / size;
+        // At grazing incidence and on creases the gradient may disagree with the crossing; mirrored, it
+        // agrees.
+        float cosine = dot(normal, segment.direction);
+        if (cosine * towards < 0.0f) normal = normal - 2.0f * cosine * segment.direction;
+    } else {
+        normal = towards * segment.direction;
+    }
+    hit.t = t;
+    hit.primitive = 0u;
+    hit.face = 0u;
+    hit.uv = vec2(0.0f);
+    hit.cell = ivec3(0);
+    hit.normal = normal;
+}
+
+// Whether the surface is crossed anywhere in (t_min, t_max).
+FN bool sdf_any(const_in(SceneView) scene, uint sdf, Ray ray) {
+    SdfSegment segment = sdf_clip(scene.sdfs.at[sdf], ray, ray.t_max);
+    if (!(segment.extent > 0.0f)) return false;
+    SdfBracket bracket = sdf_march(scene, sdf, segment);
+    return bracket.found;
+}
+
+// Where a ray that leaves p should start: p moved along the normal, outwards (side +1) or inwards (side −1),
+// by `distance`, or by as many times that (a power of two) as it takes for f to have that side's sign there.
+// Where the solid or the gap is thinner than that: by a fraction of it. p moved by `distance` if even that
+// fails.
+FN vec3 sdf_offset_point(const_in(SceneView) scene, uint sdf, vec3 p, vec3 normal, float side,
+                         float distance) {
+    vec3 direction = side * sdf_unit(normal);
+    float further = distance;
+    float nearer = distance;
+    for (uint i = 0u; i < SDF_MAX_OFFSETS; i++) {
+        vec3 q = p + further * direction;
+        if (sdf_distance(scene, sdf, q) * side > 0.0f) return q;
+        further *= 2.0f;
+        nearer *= 0.5f;
+        q = p + nearer * direction;
+        if (sdf_distance(scene, sdf, q) * side > 0.0f) return q;
+    }
+    return p + distance * direction;
+}
+
+KERNELS_END
+#endif
