@@ -1,0 +1,266 @@
+#include "accel/bvh_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+
+namespace spinel {
+namespace {
+
+constexpr int bin_count = 16;
+constexpr std::size_t parallel_threshold = 4096;  // primitives below which a subtree is not worth a task
+
+// Four lanes, the last one idle, so that the compiler keeps a box in two vector registers.
+struct alignas(16) Bounds {
+    std::array<float, 4> lower;
+    std::array<float, 4> upper;
+
+    static Bounds empty() {
+        constexpr float inf = std::numeric_limits<float>::infinity();
+        return {{inf, inf, inf, inf}, {-inf, -inf, -inf, -inf}};
+    }
+    void extend(const Bounds& other) {
+        for (std::size_t i = 0; i < 4; ++i) lower[i] = std::min(lower[i], other.lower[i]);
+        for (std::size_t i = 0; i < 4; ++i) upper[i] = std::max(upper[i], other.upper[i]);
+    }
+    void extend_center(const Bounds& other) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            const float center = other.center(i);
+            lower[i] = std::min(lower[i], center);
+            upper[i] = std::max(upper[i], center);
+        }
+    }
+    // Half the sum before adding would lose nothing but the denormals; it cannot overflow.
+    float center(std::size_t axis) const { return 0.5f * lower[axis] + 0.5f * upper[axis]; }
+    float half_area() const {
+        const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
+        return x * y + y * z + z * x;
+    }
+};
+
+struct Primitive {
+    Bounds bounds;
+    std::uint32_t index;
+};
+
+struct Split {
+    int axis = -1;  // −1: none found
+    int bin = 0;    // bins below go left
+    float cost = std::numeric_limits<float>::infinity();
+};
+
+int ceil_log2(std::size_t n) { return n <= 1 ? 0 : std::bit_width(n - 1); }
+
+class Builder {
+  public:
+    Builder(std::vector<Primitive>& primitives, const BvhOptions& options,
+            std::vector<kernels::BvhNode>& nodes)
+        : primitives_(primitives), options_(options), nodes_(nodes) {}
+
+    // Fills nodes_[node] and its subtree over primitives [begin, end). The subtree's other nodes go to [pool,
+    // pool + 2·(end − begin) − 2), which always suffices; the gaps that larger leaves leave are closed
+    // afterwards.
+    void build(std::size_t node, std::size_t pool, std::size_t begin, std::size_t end, int depth) {
+        const std::size_t count = end - begin;
+        Bounds bounds = Bounds::empty();
+        Bounds centers = Bounds::empty();
+        for (std::size_t i = begin; i < end; ++i) {
+            bounds.extend(primitives_[i].bounds);
+            centers.extend_center(primitives_[i].bounds);
+        }
+        kernels::BvhNode& out = nodes_[node];
+        out.lower = {bounds.lower[0], bounds.lower[1], bounds.lower[2]};
+        out.upper = {bounds.upper[0], bounds.upper[1], bounds.upper[2]};
+
+        const std::size_t middle = partition(bounds, centers, begin, end, depth);
+        if (middle == begin) {
+            out.first = static_cast<std::uint32_t>(begin);
+            out.count = static_cast<std::uint32_t>(count);
+            return;
+        }
+        out.first = static_cast<std::uint32_t>(pool);
+        out.count = 0;
+        const std::size_t left_pool = pool + 2;
+        const std::size_t right_pool = left_pool + 2 * (middle - begin) - 2;
+        const auto left = [&] { build(pool, left_pool, begin, middle, depth + 1); };
+        const auto right = [&] { build(pool + 1, right_pool, middle, end, depth + 1); };
+        if (count < parallel_threshold) {
+            left();
+            right();
+        } else {
+            parallel_for(2, 1, [&](std::size_t first, std::size_t last) {
+                if (first == 0) left();
+                if (last == 2) right();
+            });
+        }
+    }
+
+  private:
+    // Reorders [begin, end) and returns where the right child begins; `begin`: make a leaf.
+    std::size_t partition(const Bounds& bounds, const Bounds& centers, std::size_t begin, std::size_t end,
+                          int depth) {
+        const std::size_t count = end - begin;
+        if (count <= 1) return begin;
+        // As many levels as halving needs are kept in reserve, which bounds the depth whatever the input.
+        const bool balance = depth + ceil_log2(count) >= static_cast<int>(kernels::BVH_MAX_DEPTH);
+        const Split split = balance ? Split{} : best_split(bounds, centers, begin, end);
+        const float leaf_cost = static_cast<float>(count);
+        if (count <= options_.max_leaf && !(split.cost < leaf_cost)) return begin;
+        if (split.axis < 0) return median(centers, begin, end);
+        const auto axis = static_cast<std::size_t>(split.axis);
+        const float offset = centers.lower[axis];
+        const float scale = bin_scale(centers, axis);
+        const auto middle = std::partition(
+            primitives_.begin() + static_cast<std::ptrdiff_t>(begin),
+            primitives_.begin() + static_cast<std::ptrdiff_t>(end),
+            [&](const Primitive& p) { return bin_of(p.bounds.center(axis), offset, scale) < split.bin; });
+        return static_cast<std::size_t>(middle - primitives_.begin());
+    }
+
+    // Zero where the centres do not spread, or not enough for a finite scale.
+    static float bin_scale(const Bounds& centers, std::size_t axis) {
+        const float scale = static_cast<float>(bin_count) / (centers.upper[axis] - centers.lower[axis]);
+        return std::isfinite(scale) ? scale : 0.0f;
+    }
+    static int bin_of(float center, float offset, float scale) {
+        return std::min(static_cast<int>((center - offset) * scale), bin_count - 1);
+    }
+
+    Split best_split(const Bounds& bounds, const Bounds& centers, std::size_t begin, std::size_t end) const {
+        struct Bin {
+            Bounds bounds = Bounds::empty();
+            std::uint32_t count = 0;
+        };
+        std::array<std::array<Bin, bin_count>, 3> bins;
+        std::array<float, 3> scale;
+        for (std::size_t axis = 0; axis < 3; ++axis) scale[axis] = bin_scale(centers, axis);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Bounds& b = primitives_[i].bounds;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                Bin& bin =
+                    bins[axis]
+                        [static_cast<std::size_t>(bin_of(b.center(axis), centers.lower[axis], scale[axis]))];
+                bin.bounds.extend(b);
+                ++bin.count;
+            }
+        }
+        Split best;
+        const float parent_area = bounds.half_area();
+        const float inverse_area = parent_area > 0 ? 1.0f / parent_area : 0.0f;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (!(scale[axis] > 0)) continue;
+            std::array<float, bin_count> right_cost;
+            Bounds right = Bounds::empty();
+            std::uint32_t right_count = 0;
+            for (std::size_t i = bin_count - 1; i > 0; --i) {
+                right.extend(bins[axis][i].bounds);
+                right_count += bins[axis][i].count;
+                right_cost[i] = right_count > 0 ? right.half_area() * static_cast<float>(right_count) : 0.0f;
+            }
+            Bounds left = Bounds::empty();
+            std::uint32_t left_count = 0;
+            const auto total = static_cast<std::uint32_t>(end - begin);
+            for (std::size_t i = 1; i < bin_count; ++i) {
+                left.extend(bins[axis][i - 1].bounds);
+                left_count += bins[axis][i - 1].count;
+                if (left_count == 0 || left_count == total) continue;
+                const float cost =
+                    options_.traversal_cost +
+                    (left.half_area() * static_cast<float>(left_count) + right_cost[i]) * inverse_area;
+                if (cost < best.cost)
+                    best = {static_cast<int>(axis), static_cast<int>(i), cost};  // NaN never wins
+            }
+        }
+        return best;
+    }
+
+    // Halves by number, ordered by centre along the widest axis; ties by index, so that the order is total.
+    std::size_t median(const Bounds& centers, std::size_t begin, std::size_t end) {
+        std::size_t axis = 0;
+        for (std::size_t i = 1; i < 3; ++i) {
+            if (centers.upper[i] - centers.lower[i] > centers.upper[axis] - centers.lower[axis]) axis = i;
+        }
+        const std::size_t middle = begin + (end - begin) / 2;
+        const auto at = [&](std::size_t i) { return primitives_.begin() + static_cast<std::ptrdiff_t>(i); };
+        std::nth_element(at(begin), at(middle), at(end), [axis](const Primitive& a, const Primitive& b) {
+            const float ca = a.bounds.center(axis), cb = b.bounds.center(axis);
+            return ca != cb ? ca < cb : a.index < b.index;
+        });
+        return middle;
+    }
+
+    std::vector<Primitive>& primitives_;
+    const BvhOptions& options_;
+    std::vector<kernels::BvhNode>& nodes_;
+};
+
+// Copies the tree without the gaps, in depth-first order, and measures it.
+void compact(const std::vector<kernels::BvhNode>& sparse, const BvhOptions& options, Bvh& bvh) {
+    const auto half_area = [](const kernels::BvhNode& n) {
+        const glm::dvec3 e = glm::dvec3(n.upper) - glm::dvec3(n.lower);
+        return e.x * e.y + e.y * e.z + e.z * e.x;
+    };
+    struct Pending {
+        std::uint32_t node;  // in bvh.nodes
+        std::uint32_t depth;
+    };
+    std::vector<Pending> stack;
+    bvh.nodes.push_back(sparse[0]);
+    stack.push_back({0, 0});
+    double cost = 0;
+    while (!stack.empty()) {
+        const Pending pending = stack.back();
+        stack.pop_back();
+        const kernels::BvhNode node = bvh.nodes[pending.node];
+        bvh.statistics.depth = std::max(bvh.statistics.depth, pending.depth);
+        if (node.count > 0) {
+            ++bvh.statistics.leaf_count;
+            cost += half_area(node) * node.count;
+            continue;
+        }
+        cost += half_area(node) * double(options.traversal_cost);
+        const auto first = static_cast<std::uint32_t>(bvh.nodes.size());
+        bvh.nodes[pending.node].first = first;
+        bvh.nodes.push_back(sparse[node.first]);
+        bvh.nodes.push_back(sparse[node.first + 1]);
+        stack.push_back({first + 1, pending.depth + 1});
+        stack.push_back({first, pending.depth + 1});
+    }
+    const double root_area = half_area(bvh.nodes[0]);
+    bvh.statistics.sah_cost = root_area > 0 ? cost / root_area : 0;
+}
+
+}  // namespace
+
+Bvh build_bvh(std::span<const Box> boxes, const BvhOptions& options) {
+    assert(boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
+    assert(options.max_leaf >= 1 && options.max_leaf <= kernels::BVH_MAX_LEAF);
+    std::vector<Primitive> primitives;
+    primitives.reserve(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const glm::vec3 lower = boxes[i].lower, upper = boxes[i].upper;
+        bool usable = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            usable = usable && std::isfinite(lower[axis]) && std::isfinite(upper[axis]) &&
+                     lower[axis] <= upper[axis];
+        }
+        if (!usable) continue;
+        primitives.push_back({{{lower.x, lower.y, lower.z, 0}, {upper.x, upper.y, upper.z, 0}},
+                              static_cast<std::uint32_t>(i)});
+    }
+    Bvh bvh;
+    if (primitives.empty()) return bvh;
+    std::vector<kernels::BvhNode> sparse(2 * primitives.size() - 1);
+    Builder(primitives, options, sparse).build(0, 1, 0, primitives.size(), 0);
+    compact(sparse, options, bvh);
+    bvh.order.reserve(primitives.size());
+    for (const Primitive& primitive : primitives) bvh.order.push_back(primitive.index);
+    return bvh;
+}
+
+}  // namespace spinel

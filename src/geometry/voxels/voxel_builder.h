@@ -1,0 +1,24 @@
+#pragma once
+// From voxels as the user gave them to the words that kernels/voxels.h walks.
+
+#include <cstdint>
+#include <vector>
+
+#include "core/result.h"
+#include "spinel/scene.h"
+
+namespace spinel {
+
+struct VoxelData {
+    std::vector<std::uint32_t> words;  // four cells a word, little end first
+    kernels::VoxelGrid grid;           // word_first = 0: relative to `words`
+    std::uint32_t slot_count = 0;  // the largest palette index: so many material slots does an instance need
+};
+
+// Every edge at least 1, at most 2³² − 4 cells in all, and as many cells as the size says.
+Result<void> validate_voxels(const VoxelGeometry& voxels);
+
+// Validates first.
+Result<VoxelData> build_voxels(const VoxelGeometry& voxels);
+
+}  // namespace spinel

@@ -1,0 +1,165 @@
+#ifndef SPINEL_KERNELS_TRAVERSE_H
+#define SPINEL_KERNELS_TRAVERSE_H
+// The reference walk over the scene for every device: a top-level BVH over the bounded instances, then the
+// unbounded ones one by one. A ray is carried into an instance's local space without normalising its
+// direction, so t keeps its meaning.
+#include "box.h"
+#include "bvh.h"
+#include "device.h"
+#include "mesh.h"
+#include "plane.h"
+#include "sdf.h"
+#include "sphere.h"
+#include "voxels.h"
+KERNELS_BEGIN
+
+FN bool instance_admitted(uint flags, uint mask) {
+    return (((flags & INSTANCE_PASS_THROUGH) != 0u ? TRACE_PASS_THROUGH : TRACE_SOLID) & mask) != 0u;
+}
+
+FN Ray ray_to_local(const_in(Instance) instance, Ray ray) {
+    return Ray(instance.world_to_object * vec4(ray.origin, 1.0f), ray.t_min,
+               instance.world_to_object * vec4(ray.direction, 0.0f), ray.t_max);
+}
+
+// The nearest hit of one instance in (ray.t_min, hit.t).
+FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inout(Hit) hit) {
+    Ray local = ray_to_local(scene.instances.at[instance], ray);
+    uint geometry = scene.instances.at[instance].geometry;
+    float before = hit.t;
+    local.t_max = before;
+    switch (scene.instances.at[instance].geometry_kind) {
+        case GEOMETRY_MESH: mesh_closest(scene, geometry, local, hit); break;
+        case GEOMETRY_VOXELS:
+            voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            break;
+        case GEOMETRY_SDF: sdf_closest(scene, geometry, local, hit); break;
+        case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
+        case GEOMETRY_BOX: box_closest(local, hit); break;
+        case GEOMETRY_PLANE: plane_closest(local, hit); break;
+        case GEOMETRY_RECTANGLE: rectangle_closest(local, hit); break;
+    }
+    if (hit.t < before) hit.instance = instance;
+}
+
+// Whether one instance is hit in (ray.t_min, ray.t_max).
+FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
+    Ray local = ray_to_local(scene.instances.at[instance], ray);
+    uint geometry = scene.instances.at[instance].geometry;
+    Hit hit = no_hit(ray.t_max);
+    switch (scene.instances.at[instance].geometry_kind) {
+        case GEOMETRY_MESH: return mesh_any(scene, geometry, local);
+        case GEOMETRY_VOXELS:
+            return voxels_any(scene, geometry, scene.instances.at[instance].slot_first, local);
+        case GEOMETRY_SDF: return sdf_any(scene, geometry, local);
+        case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
+        case GEOMETRY_BOX: box_closest(local, hit); break;
+        case GEOMETRY_PLANE: plane_closest(local, hit); break;
+        case GEOMETRY_RECTANGLE: rectangle_closest(local, hit); break;
+    }
+    return hit.t < ray.t_max;
+}
+
+FN Hit reference_closest(const_in(SceneView) scene, Ray ray, uint mask) {
+    Hit hit = no_hit(ray.t_max);
+    if (scene.bounded_count > 0u) {
+        SlabRay slab = slab_ray(ray);
+        BvhStack stack;
+        uint stack_size = 0u;
+        uint entry = bvh_entry(scene.instance_nodes.at[0]);
+        for (;;) {
+            uint first = bvh_entry_first(entry);
+            uint count = bvh_entry_count(entry);
+            if (count == 0u) {
+                BvhNode left = scene.instance_nodes.at[first];
+                BvhNode right = scene.instance_nodes.at[first + 1u];
+                float enter_left = slab_entry(left.lower, left.upper, slab, hit.t);
+                float enter_right = slab_entry(right.lower, right.upper, slab, hit.t);
+                bool right_nearer = enter_right < enter_left;
+                if (min(enter_left, enter_right) < INFINITE) {
+                    if (max(enter_left, enter_right) < INFINITE) {
+                        stack.entry[stack_size] = right_nearer ? bvh_entry(left) : bvh_entry(right);
+                        stack.enter[stack_size] = max(enter_left, enter_right);
+                        ++stack_size;
+                    }
+                    entry = right_nearer ? bvh_entry(right) : bvh_entry(left);
+                    continue;
+                }
+            } else {
+                for (uint i = first; i < first + count; ++i) {
+                    uint instance = scene.instance_order.at[i];
+                    if (instance_admitted(scene.instances.at[instance].flags, mask)) {
+                        instance_closest(scene, instance, ray, hit);
+                    }
+                }
+            }
+            bool found = false;
+            while (stack_size > 0u && !found) {
+                --stack_size;
+                found = stack.enter[stack_size] < hit.t;
+                entry = stack.entry[stack_size];
+            }
+            if (!found) break;
+        }
+    }
+    for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
+        uint instance = scene.instance_order.at[i];
+        if (instance_admitted(scene.instances.at[instance].flags, mask))
+            instance_closest(scene, instance, ray, hit);
+    }
+    return hit;
+}
+
+FN bool reference_any(const_in(SceneView) scene, Ray ray, uint mask) {
+    for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
+        uint instance = scene.instance_order.at[i];
+        if (instance_admitted(scene.instances.at[instance].flags, mask) && instance_any(scene, instance, ray))
+            return true;
+    }
+    if (scene.bounded_count == 0u) return false;
+    SlabRay slab = slab_ray(ray);
+    BvhStack stack;
+    uint stack_size = 0u;
+    uint entry = bvh_entry(scene.instance_nodes.at[0]);
+    for (;;) {
+        uint first = bvh_entry_first(entry);
+        uint count = bvh_entry_count(entry);
+        if (count == 0u) {
+            BvhNode left = scene.instance_nodes.at[first];
+            BvhNode right = scene.instance_nodes.at[first + 1u];
+            float enter_left = slab_entry(left.lower, left.upper, slab, ray.t_max);
+            float enter_right = slab_entry(right.lower, right.upper, slab, ray.t_max);
+            bool right_nearer = enter_right < enter_left;
+            if (min(enter_left, enter_right) < INFINITE) {
+                if (max(enter_left, enter_right) < INFINITE) {
+                    stack.entry[stack_size] = right_nearer ? bvh_entry(left) : bvh_entry(right);
+                    ++stack_size;
+                }
+                entry = right_nearer ? bvh_entry(right) : bvh_entry(left);
+                continue;
+            }
+        } else {
+            for (uint i = first; i < first + count; ++i) {
+                uint instance = scene.instance_order.at[i];
+                if (instance_admitted(scene.instances.at[instance].flags, mask) &&
+                    instance_any(scene, instance, ray)) {
+                    return true;
+                }
+            }
+        }
+        if (stack_size == 0u) return false;
+        --stack_size;
+        entry = stack.entry[stack_size];
+    }
+    return false;
+}
+
+#ifndef SPINEL_DEVICE_TRAVERSAL
+FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
+    return reference_closest(scene, ray, mask);
+}
+FN bool trace_occluded(const_in(SceneView) scene, Ray ray) { return reference_any(scene, ray, TRACE_SOLID); }
+#endif
+
+KERNELS_END
+#endif
