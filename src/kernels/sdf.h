@@ -40,14 +40,13 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
         SdfOp op = scene.sdf_ops.at[i];
         vec4 d = op.data0;
         vec3 e = vec3(op.data1.x, op.data1.y, op.data1.z);
-        if (op.op <= SDF_OP_REPEAT_CORNER) {
+        if (op.op <= SDF_OP_REPEAT) {
             vec3 q = points.at[op.a];
             switch (op.op) {
                 case SDF_OP_SIMILARITY: q = op.data1.w * sdf_rotate(d, q) + e; break;
                 case SDF_OP_TWIST: q = sdf_twist(q, d.x); break;
                 case SDF_OP_ELONGATE: q = q - clamp(q, -vec3(d.x, d.y, d.z), vec3(d.x, d.y, d.z)); break;
-                case SDF_OP_REPEAT: q = sdf_repeat(q, vec3(d.x, d.y, d.z), e); break;
-                case SDF_OP_REPEAT_CORNER: q = sdf_repeat_corner(q, vec3(d.x, d.y, d.z), e, d.w); break;
+                case SDF_OP_REPEAT: q = sdf_repeat(q, d, e); break;
             }
             points.at[op.target] = q;
             continue;
@@ -109,7 +108,7 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
         vec4 d = op.data0;
         vec3 d3 = vec3(d.x, d.y, d.z);
         vec3 e = vec3(op.data1.x, op.data1.y, op.data1.z);
-        if (op.op <= SDF_OP_REPEAT_CORNER) {
+        if (op.op <= SDF_OP_REPEAT) {
             vec3 q = points.at[op.a];
             mat3 j = points.jacobian[op.a];
             switch (op.op) {
@@ -132,8 +131,7 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
                     j = mat3(j[0] * moves, j[1] * moves, j[2] * moves);
                     break;
                 }
-                case SDF_OP_REPEAT: q = sdf_repeat(q, d3, e); break;
-                case SDF_OP_REPEAT_CORNER: q = sdf_repeat_corner(q, d3, e, d.w); break;
+                case SDF_OP_REPEAT: q = sdf_repeat(q, d, e); break;
             }
             points.at[op.target] = q;
             points.jacobian[op.target] = j;

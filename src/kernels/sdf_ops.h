@@ -20,32 +20,33 @@ const uint SDF_VALUE_REGISTERS = 32u;
 const uint SDF_OP_SIMILARITY = 0u;  // data1.w · rotate(quaternion data0, P[a]) + data1.xyz
 const uint SDF_OP_TWIST = 1u;       // about y by data0.x radians per unit of y
 const uint SDF_OP_ELONGATE = 2u;    // P[a] − clamp(P[a], −data0.xyz, data0.xyz)
-const uint SDF_OP_REPEAT = 3u;  // into the nearest cell: periods data0.xyz, cells −data1.xyz … data1.xyz
-const uint SDF_OP_REPEAT_CORNER = 4u;  // into one of the eight nearest cells: bits of its corner in data0.w
+// Into a cell of a lattice: periods data0.xyz, cells −data1.xyz … data1.xyz. data0.w holds six bits: by axis
+// (1, 2, 4) the upper of the two nearest cells, else the lower; or (8, 16, 32) simply the nearest.
+const uint SDF_OP_REPEAT = 3u;
 
 // Shapes: V[target] from P[a] − data1.xyz.
-const uint SDF_OP_SPHERE = 5u;    // radius data0.x
-const uint SDF_OP_BOX = 6u;       // half edges data0.xyz, grown all around by data0.w
-const uint SDF_OP_TORUS = 7u;     // about y: radius data0.x of the ring, data0.y of the tube
-const uint SDF_OP_CYLINDER = 8u;  // along y: radius data0.x, half height data0.y
-const uint SDF_OP_PLANE = 9u;     // unit normal data0.xyz, solid where dot(normal, p) < data0.w
-const uint SDF_OP_GYROID = 10u;   // |gyroid(data0.x · p)| · data0.y − data0.z
+const uint SDF_OP_SPHERE = 4u;    // radius data0.x
+const uint SDF_OP_BOX = 5u;       // half edges data0.xyz, grown all around by data0.w
+const uint SDF_OP_TORUS = 6u;     // about y: radius data0.x of the ring, data0.y of the tube
+const uint SDF_OP_CYLINDER = 7u;  // along y: radius data0.x, half height data0.y
+const uint SDF_OP_PLANE = 8u;     // unit normal data0.xyz, solid where dot(normal, p) < data0.w
+const uint SDF_OP_GYROID = 9u;    // |gyroid(data0.x · p)| · data0.y − data0.z
 
 // Values: V[target] from V[a] and V[b].
-const uint SDF_OP_MIN = 11u;         // union
-const uint SDF_OP_MAX = 12u;         // intersection
-const uint SDF_OP_SUBTRACT = 13u;    // max(V[a], −V[b])
-const uint SDF_OP_SMOOTH_MIN = 14u;  // blended over |V[a] − V[b]| < data0.x
-const uint SDF_OP_SMOOTH_MAX = 15u;
-const uint SDF_OP_SMOOTH_SUBTRACT = 16u;  // smooth max(V[a], −V[b])
-const uint SDF_OP_MULTIPLY = 17u;         // V[a] · data0.x
-const uint SDF_OP_OFFSET = 18u;           // V[a] − data0.x
-const uint SDF_OP_SHELL = 19u;            // |V[a]| − data0.x
-const uint SDF_OP_DISPLACE = 20u;         // V[a] + data0.x · sin·sin·sin(data0.y · P[b])
+const uint SDF_OP_MIN = 10u;         // union
+const uint SDF_OP_MAX = 11u;         // intersection
+const uint SDF_OP_SUBTRACT = 12u;    // max(V[a], −V[b])
+const uint SDF_OP_SMOOTH_MIN = 13u;  // blended over |V[a] − V[b]| < data0.x
+const uint SDF_OP_SMOOTH_MAX = 14u;
+const uint SDF_OP_SMOOTH_SUBTRACT = 15u;  // smooth max(V[a], −V[b])
+const uint SDF_OP_MULTIPLY = 16u;         // V[a] · data0.x
+const uint SDF_OP_OFFSET = 17u;           // V[a] − data0.x
+const uint SDF_OP_SHELL = 18u;            // |V[a]| − data0.x
+const uint SDF_OP_DISPLACE = 19u;         // V[a] + data0.x · sin·sin·sin(data0.y · P[b])
 // min(V[a], max(data0.w, data1.w · distance of P[b] to the box of centre data0.xyz and half edges
 // data1.xyz)): what a part is worth at least outside of its bounds stands in for the part itself. See
 // geometry/sdf/sdf_analysis.h.
-const uint SDF_OP_FAR = 21u;
+const uint SDF_OP_FAR = 20u;
 
 FN vec3 sdf_rotate(vec4 q, vec3 p) {
     vec3 axis = vec3(q.x, q.y, q.z);
@@ -61,17 +62,13 @@ FN vec3 sdf_twist(vec3 p, float rate) {
 
 // The lattice's cell indices lie in −extent … extent: whole numbers for an odd count of cells, halves for an
 // even one.
-FN vec3 sdf_repeat(vec3 p, vec3 period, vec3 extent) {
+FN vec3 sdf_repeat(vec3 p, vec4 period_bits, vec3 extent) {
+    vec3 period = vec3(period_bits.x, period_bits.y, period_bits.z);
+    uint bits = uint(period_bits.w);
     vec3 odd = extent - floor(extent);
-    vec3 cell = floor(p / period + odd + 0.5f) - odd;
-    return p - period * clamp(cell, -extent, extent);
-}
-
-FN vec3 sdf_repeat_corner(vec3 p, vec3 period, vec3 extent, float corner) {
-    uint bits = uint(corner);
-    vec3 odd = extent - floor(extent);
-    vec3 cell =
-        floor(p / period + odd) - odd + vec3(float(bits & 1u), float((bits >> 1) & 1u), float(bits >> 2));
+    vec3 upper = vec3(float(bits & 1u), float((bits >> 1) & 1u), float((bits >> 2) & 1u));
+    vec3 nearest = vec3(float((bits >> 3) & 1u), float((bits >> 4) & 1u), float((bits >> 5) & 1u));
+    vec3 cell = floor(p / period + odd + 0.5f * nearest) + upper - odd;
     return p - period * clamp(cell, -extent, extent);
 }
 
