@@ -24,5 +24,21 @@ FN uint bvh_entry(const_in(BvhNode) node) { return (node.first << 4u) | node.cou
 FN uint bvh_entry_first(uint entry) { return entry >> 4u; }
 FN uint bvh_entry_count(uint entry) { return entry & 15u; }
 
+// Two siblings in the order in which the ray enters them; INFINITE where it misses.
+struct BvhSiblings {
+    uint nearer;  // entries
+    uint farther;
+    float enter_nearer;
+    float enter_farther;
+};
+
+FN BvhSiblings bvh_siblings(BvhNodes nodes, uint left, const_in(SlabRay) ray, float t_max) {
+    float enter_left = slab_entry(nodes.at[left].lower, nodes.at[left].upper, ray, t_max);
+    float enter_right = slab_entry(nodes.at[left + 1u].lower, nodes.at[left + 1u].upper, ray, t_max);
+    uint right_nearer = enter_right < enter_left ? 1u : 0u;
+    return BvhSiblings(bvh_entry(nodes.at[left + right_nearer]), bvh_entry(nodes.at[left + 1u - right_nearer]),
+                       min(enter_left, enter_right), max(enter_left, enter_right));
+}
+
 KERNELS_END
 #endif

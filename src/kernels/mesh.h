@@ -22,20 +22,14 @@ FN void mesh_closest(const_in(SceneView) scene, uint mesh, Ray ray, inout(Hit) h
         uint first = bvh_entry_first(entry);
         uint count = bvh_entry_count(entry);
         if (count == 0u) {
-            uint left = node_first + first;
-            float enter_left =
-                slab_entry(scene.nodes.at[left].lower, scene.nodes.at[left].upper, slab, best.t);
-            float enter_right =
-                slab_entry(scene.nodes.at[left + 1u].lower, scene.nodes.at[left + 1u].upper, slab, best.t);
-            uint right_nearer = enter_right < enter_left ? 1u : 0u;
-            float farther = max(enter_left, enter_right);
-            if (min(enter_left, enter_right) < INFINITE) {
-                if (farther < INFINITE) {
-                    stack.entry[stack_size] = bvh_entry(scene.nodes.at[left + 1u - right_nearer]);
-                    stack.enter[stack_size] = farther;
+            BvhSiblings siblings = bvh_siblings(scene.nodes, node_first + first, slab, best.t);
+            if (siblings.enter_nearer < INFINITE) {
+                if (siblings.enter_farther < INFINITE) {
+                    stack.entry[stack_size] = siblings.farther;
+                    stack.enter[stack_size] = siblings.enter_farther;
                     ++stack_size;
                 }
-                entry = bvh_entry(scene.nodes.at[left + right_nearer]);
+                entry = siblings.nearer;
                 continue;
             }
         } else {
@@ -76,18 +70,13 @@ FN bool mesh_any(const_in(SceneView) scene, uint mesh, Ray ray) {
         uint first = bvh_entry_first(entry);
         uint count = bvh_entry_count(entry);
         if (count == 0u) {
-            uint left = node_first + first;
-            float enter_left =
-                slab_entry(scene.nodes.at[left].lower, scene.nodes.at[left].upper, slab, ray.t_max);
-            float enter_right =
-                slab_entry(scene.nodes.at[left + 1u].lower, scene.nodes.at[left + 1u].upper, slab, ray.t_max);
-            uint right_nearer = enter_right < enter_left ? 1u : 0u;
-            if (min(enter_left, enter_right) < INFINITE) {
-                if (max(enter_left, enter_right) < INFINITE) {
-                    stack.entry[stack_size] = bvh_entry(scene.nodes.at[left + 1u - right_nearer]);
+            BvhSiblings siblings = bvh_siblings(scene.nodes, node_first + first, slab, ray.t_max);
+            if (siblings.enter_nearer < INFINITE) {
+                if (siblings.enter_farther < INFINITE) {
+                    stack.entry[stack_size] = siblings.farther;
                     ++stack_size;
                 }
-                entry = bvh_entry(scene.nodes.at[left + right_nearer]);
+                entry = siblings.nearer;
                 continue;
             }
         } else {

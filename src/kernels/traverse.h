@@ -60,7 +60,7 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     return hit.t < ray.t_max;
 }
 
-FN Hit reference_closest(const_in(SceneView) scene, Ray ray, uint mask) {
+FN Hit walk_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     Hit hit = no_hit(ray.t_max);
     if (scene.bounded_count > 0u) {
         SlabRay slab = slab_ray(ray);
@@ -71,18 +71,14 @@ FN Hit reference_closest(const_in(SceneView) scene, Ray ray, uint mask) {
             uint first = bvh_entry_first(entry);
             uint count = bvh_entry_count(entry);
             if (count == 0u) {
-                BvhNode left = scene.instance_nodes.at[first];
-                BvhNode right = scene.instance_nodes.at[first + 1u];
-                float enter_left = slab_entry(left.lower, left.upper, slab, hit.t);
-                float enter_right = slab_entry(right.lower, right.upper, slab, hit.t);
-                bool right_nearer = enter_right < enter_left;
-                if (min(enter_left, enter_right) < INFINITE) {
-                    if (max(enter_left, enter_right) < INFINITE) {
-                        stack.entry[stack_size] = right_nearer ? bvh_entry(left) : bvh_entry(right);
-                        stack.enter[stack_size] = max(enter_left, enter_right);
+                BvhSiblings siblings = bvh_siblings(scene.instance_nodes, first, slab, hit.t);
+                if (siblings.enter_nearer < INFINITE) {
+                    if (siblings.enter_farther < INFINITE) {
+                        stack.entry[stack_size] = siblings.farther;
+                        stack.enter[stack_size] = siblings.enter_farther;
                         ++stack_size;
                     }
-                    entry = right_nearer ? bvh_entry(right) : bvh_entry(left);
+                    entry = siblings.nearer;
                     continue;
                 }
             } else {
@@ -110,7 +106,7 @@ FN Hit reference_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     return hit;
 }
 
-FN bool reference_any(const_in(SceneView) scene, Ray ray, uint mask) {
+FN bool walk_any(const_in(SceneView) scene, Ray ray, uint mask) {
     for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
         uint instance = scene.instance_order.at[i];
         if (instance_admitted(scene.instances.at[instance].flags, mask) && instance_any(scene, instance, ray))
@@ -125,17 +121,13 @@ FN bool reference_any(const_in(SceneView) scene, Ray ray, uint mask) {
         uint first = bvh_entry_first(entry);
         uint count = bvh_entry_count(entry);
         if (count == 0u) {
-            BvhNode left = scene.instance_nodes.at[first];
-            BvhNode right = scene.instance_nodes.at[first + 1u];
-            float enter_left = slab_entry(left.lower, left.upper, slab, ray.t_max);
-            float enter_right = slab_entry(right.lower, right.upper, slab, ray.t_max);
-            bool right_nearer = enter_right < enter_left;
-            if (min(enter_left, enter_right) < INFINITE) {
-                if (max(enter_left, enter_right) < INFINITE) {
-                    stack.entry[stack_size] = right_nearer ? bvh_entry(left) : bvh_entry(right);
+            BvhSiblings siblings = bvh_siblings(scene.instance_nodes, first, slab, ray.t_max);
+            if (siblings.enter_nearer < INFINITE) {
+                if (siblings.enter_farther < INFINITE) {
+                    stack.entry[stack_size] = siblings.farther;
                     ++stack_size;
                 }
-                entry = right_nearer ? bvh_entry(right) : bvh_entry(left);
+                entry = siblings.nearer;
                 continue;
             }
         } else {
@@ -156,9 +148,9 @@ FN bool reference_any(const_in(SceneView) scene, Ray ray, uint mask) {
 
 #ifndef SPINEL_DEVICE_TRAVERSAL
 FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
-    return reference_closest(scene, ray, mask);
+    return walk_closest(scene, ray, mask);
 }
-FN bool trace_occluded(const_in(SceneView) scene, Ray ray) { return reference_any(scene, ray, TRACE_SOLID); }
+FN bool trace_occluded(const_in(SceneView) scene, Ray ray) { return walk_any(scene, ray, TRACE_SOLID); }
 #endif
 
 KERNELS_END
