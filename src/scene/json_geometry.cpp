@@ -1,0 +1,250 @@
+// Geometries of the scene file: written in place, or files that may bring several objects with their
+// materials.
+
+#include <algorithm>
+
+#include "scene/json_context.h"
+#include "scene/merge.h"
+#include "scene/validate.h"
+
+namespace spinel {
+namespace {
+
+// A geometry is either a file or written in place: `keys` are those of the second form.
+bool has_no(JsonContext& context, const JsonValue& value, std::initializer_list<const char*> keys,
+            const std::string& what, const char* instead) {
+    for (const JsonMember& member : *value.object())
+        for (const char* key : keys)
+            if (member.key == key) {
+                context.json.fail(member.offset,
+                                  "\"" + member.key + "\" of " + what + " excludes \"" + instead + "\"");
+                return false;
+            }
+    return true;
+}
+
+const JsonValue* needed(JsonContext& context, const JsonValue& value, const char* key,
+                        const std::string& what, const std::string& otherwise) {
+    const JsonValue* found = value.find(key);
+    if (!found) context.json.fail(value, what + " needs \"" + key + "\"" + otherwise);
+    return found;
+}
+
+// A list of vectors of `count` numbers each.
+template <class Vector>
+std::vector<Vector> read_vectors(JsonContext& context, const JsonValue* value, std::size_t count,
+                                 const std::string& where) {
+    std::vector<Vector> vectors;
+    if (!value) return vectors;
+    if (value->array()) vectors.reserve(value->array()->size());
+    context.json.elements(*value, where, [&](const JsonValue& element, std::size_t) {
+        Vector v(0);
+        context.json.numbers(element, count, any, where, &v[0]);
+        vectors.push_back(v);
+    });
+    return vectors;
+}
+
+template <class T>
+std::vector<T> read_integers(JsonContext& context, const JsonValue* value, int upper,
+                             const std::string& where) {
+    std::vector<T> integers;
+    if (!value) return integers;
+    if (value->array()) integers.reserve(value->array()->size());
+    context.json.elements(*value, where, [&](const JsonValue& element, std::size_t) {
+        integers.push_back(T(context.json.integer(element, {0, double(upper)}, where).value_or(0)));
+    });
+    return integers;
+}
+
+std::string of(const char* key, const std::string& what) { return "\"" + std::string(key) + "\" of " + what; }
+
+MeshGeometry read_mesh(JsonContext& context, const JsonValue& value, const std::string& what) {
+    MeshGeometry mesh;
+    const JsonValue* positions = needed(context, value, "positions", what, " (or \"file\")");
+    const JsonValue* triangles = needed(context, value, "triangles", what, "");
+    mesh.positions = read_vectors<vec3>(context, positions, 3, of("positions", what));
+    mesh.normals = read_vectors<vec3>(context, value.find("normals"), 3, of("normals", what));
+    mesh.uvs = read_vectors<vec2>(context, value.find("uvs"), 2, of("uvs", what));
+    mesh.slots = read_integers<std::uint32_t>(context, value.find("slots"), 65535, of("slots", what));
+    if (!triangles || mesh.positions.empty()) return mesh;
+    const std::string where = of("triangles", what);
+    const Range vertex{0, double(mesh.positions.size() - 1)};
+    context.json.elements(*triangles, where, [&](const JsonValue& element, std::size_t) {
+        uvec3 corners(0);
+        if (!element.array() || element.array()->size() != 3)
+            context.json.fail(element,
+                              where + " must be arrays of 3 vertex indices, not " + element.description());
+        else
+            for (int i = 0; i < 3; ++i)
+                corners[i] = kernels::uint(
+                    context.json.integer((*element.array())[std::size_t(i)], vertex, where).value_or(0));
+        mesh.triangles.push_back(corners);
+    });
+    return mesh;
+}
+
+// '.' and ' ' are empty, 1…9 and a…z the palette indices 1…35; −1: not a voxel's character.
+int palette_index(char c) {
+    if (c == '.' || c == ' ') return 0;
+    if (c >= '1' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 10;
+    return -1;
+}
+
+VoxelGeometry read_layers(JsonContext& context, const JsonValue& value, const std::string& what) {
+    const std::string where = of("layers", what);
+    VoxelGeometry voxels;
+    std::vector<const std::string*> rows;
+    context.json.elements(value, where, [&](const JsonValue& layer, std::size_t y) {
+        context.json.elements(layer, where, [&](const JsonValue& row, std::size_t z) {
+            const auto text = context.json.text(row, where);
+            if (!text) return;
+            if (y == 0 && z == 0) voxels.size.x = int(text->size());
+            if (int(text->size()) != voxels.size.x)
+                context.json.fail(row, where + ": a row of " + std::to_string(text->size()) +
+                                           " characters, but the first row has " +
+                                           std::to_string(voxels.size.x));
+            for (const char c : *text)
+                if (palette_index(c) < 0)
+                    context.json.fail(row, where + ": '" + std::string(1, c) +
+                                               "' is no voxel; allowed: '.' and ' ' (empty), 1…9, a…z");
+            rows.push_back(row.text());
+        });
+        const int depth = layer.array() ? int(layer.array()->size()) : 0;
+        if (y == 0) voxels.size.z = depth;
+        if (depth != voxels.size.z)
+            context.json.fail(layer, where + ": a layer of " + std::to_string(depth) +
+                                         " rows, but the first has " + std::to_string(voxels.size.z));
+    });
+    if (context.json.error()) return voxels;
+    voxels.size.y = int(value.array()->size());
+    if (rows.empty()) context.json.fail(value, where + " holds no voxels");
+    // Rows came layer by layer and from z = 0 on; cells run x fastest, then y, then z.
+    for (int z = 0; z < voxels.size.z; ++z)
+        for (int y = 0; y < voxels.size.y; ++y)
+            for (const char c : *rows[std::size_t(y) * std::size_t(voxels.size.z) + std::size_t(z)])
+                voxels.cells.push_back(std::uint8_t(palette_index(c)));
+    return voxels;
+}
+
+VoxelGeometry read_voxels(JsonContext& context, const JsonValue& value, const std::string& what) {
+    if (const JsonValue* layers = value.find("layers")) {
+        if (!has_no(context, value, {"size", "cells"}, what, "layers")) return {};
+        return read_layers(context, *layers, what);
+    }
+    VoxelGeometry voxels;
+    const JsonValue* size =
+        needed(context, value, "size", what, " with \"cells\" (or \"layers\" or \"file\")");
+    const JsonValue* cells = needed(context, value, "cells", what, "");
+    if (size) voxels.size = context.json.size(*size, of("size", what)).value_or(ivec3(0));
+    voxels.cells = read_integers<std::uint8_t>(context, cells, 255, of("cells", what));
+    return voxels;
+}
+
+Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& what,
+               const std::string& name) {
+    Grid grid;
+    grid.name = name;
+    const JsonValue* size = needed(context, value, "size", what, " with \"values\" (or \"file\")");
+    const JsonValue* values = needed(context, value, "values", what, "");
+    if (size) grid.size = context.json.size(*size, of("size", what)).value_or(ivec3(0));
+    if (!values) return grid;
+    const std::string where = of("values", what);
+    context.json.elements(*values, where, [&](const JsonValue& element, std::size_t) {
+        grid.values.push_back(float(context.json.number(element, non_negative, where).value_or(0)));
+    });
+    if (context.json.error()) return grid;
+    if (const auto f = fault(grid)) context.json.fail(value, what + " " + *f);
+    return grid;
+}
+
+// The objects of a model file, merged into the scene.
+std::vector<Object> read_model(JsonContext& context, const JsonValue& file, const Record& record,
+                               const std::string& what) {
+    const auto path = read_path(context, file, of("file", what));
+    if (path.empty()) return {};
+    Result<Scene> model = context.loaders.model(path);
+    if (!model) {
+        context.json.fail(file, model.error().message);
+        return {};
+    }
+    if (const Result<void> valid = validate(*model); !valid) {
+        context.json.fail(file, path.string() + ": " + valid.error().message);
+        return {};
+    }
+    if (model->objects.empty()) context.json.fail(file, path.string() + " holds no objects");
+    for (const Object& object : model->objects) {
+        const Geometry& geometry = model->geometries[std::size_t(object.geometry)];
+        if (kind_name(geometry) != record.type) {
+            context.json.fail(file, what + " is of type \"" + std::string(record.type) + "\", but " +
+                                        path.string() + " holds a geometry of type \"" +
+                                        std::string(kind_name(geometry)) + "\"");
+            return {};
+        }
+    }
+    return merge_model(context.scene, *std::move(model));
+}
+
+// A volume's "filter" replaces that of the grids it brings.
+void read_filter(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
+                 const std::string& what) {
+    const JsonValue* filter = value.find("filter");
+    if (!filter) return;
+    constexpr std::string_view names[] = {"nearest", "linear"};  // as Filter has them
+    const auto choice = context.json.choice(*filter, names, of("filter", what));
+    if (!choice) return;
+    for (const Object& part : parts)
+        if (const auto* volume =
+                std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data))
+            context.scene.grids[std::size_t(volume->grid)].filter = Filter(*choice);
+}
+
+}  // namespace
+
+GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const std::string& name) {
+    const std::string what = named("geometry", name);
+    const Family& family = geometry_family();
+    const Record* record = context.json.select(value, family, what);
+    if (!record) return {};
+    Geometry geometry{name, {}};
+    void* data = emplace(geometry.data, family, *record);
+    context.json.record(value, *record, record->defaults ? data : nullptr, what);
+
+    GeometryParts parts;
+    const JsonValue* file = record->find("file") ? value.find("file") : nullptr;
+    if (file) {
+        const bool alone =
+            has_no(context, value,
+                   {"positions", "triangles", "normals", "uvs", "slots", "size", "cells", "layers", "values"},
+                   what, "file");
+        if (!alone) return {};
+        parts.from_file = true;
+        parts.objects = read_model(context, *file, *record, what);
+    } else {
+        if (auto* mesh = std::get_if<MeshGeometry>(&geometry.data)) *mesh = read_mesh(context, value, what);
+        if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data))
+            *voxels = read_voxels(context, value, what);
+        if (auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) *sdf = read_sdf(context, value, what);
+        if (auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
+            volume->grid = int(context.scene.grids.size());
+            context.scene.grids.push_back(read_grid(context, value, what, name));
+        }
+        if (!context.json.error())
+            if (const auto f = fault(geometry)) context.json.fail(value, what + " " + *f);
+        Object object;
+        object.geometry = int(context.scene.geometries.size());
+        context.scene.geometries.push_back(std::move(geometry));
+        parts.objects.push_back(std::move(object));
+    }
+    read_filter(context, value, parts.objects, what);
+    return parts;
+}
+
+void read_geometries(JsonContext& context, const JsonValue& value) {
+    if (!value.object()) return;  // said already, when the names were collected
+    for (const JsonMember& member : *value.object())
+        context.geometry_parts.push_back(read_geometry(context, member.value, member.key));
+}
+
+}  // namespace spinel

@@ -1,0 +1,215 @@
+#include "scene/json_reader.h"
+
+#include <set>
+
+#include "scene/json_context.h"
+#include "scene/validate.h"
+
+namespace spinel {
+namespace {
+
+// Calls `read(member, index)` for each member of an object of named things.
+template <class Function>
+void each_named(JsonContext& context, const JsonValue& value, const std::string& key, const Function& read) {
+    if (!value.object()) {
+        context.json.fail(value, "\"" + key + "\" must be an object of names, not " + value.description());
+        return;
+    }
+    for (std::size_t i = 0; i < value.object()->size(); ++i) read((*value.object())[i], i);
+}
+
+// Things refer to each other by name, in any order: the names are known before the things are read.
+void collect_names(JsonContext& context, const JsonValue& root, const char* key, NameTable& table) {
+    const JsonValue* value = root.find(key);
+    if (!value) return;
+    each_named(context, *value, key, [&](const JsonMember& member, std::size_t) {
+        if (member.key.empty()) context.json.fail(member.offset, "a " + table.noun + " needs a name");
+        table.add(member.key);
+    });
+}
+
+std::shared_ptr<const PixelBuffer> read_pixels(JsonContext& context, const JsonValue& owner,
+                                               const std::string& what) {
+    const JsonValue* file = owner.find("file");
+    if (!file) return nullptr;  // said already: it is required
+    const auto path = read_path(context, *file, "\"file\" of " + what);
+    if (path.empty()) return nullptr;
+    Result<PixelBuffer> pixels = context.loaders.pixels(path);
+    if (!pixels) {
+        context.json.fail(*file, pixels.error().message);
+        return nullptr;
+    }
+    return std::make_shared<const PixelBuffer>(*std::move(pixels));
+}
+
+// Reports what a thing is at fault with, unless an earlier error is the reason.
+template <class T>
+void check(JsonContext& context, const JsonValue& value, const T& thing, const std::string& what) {
+    if (context.json.error()) return;
+    if (const auto f = fault(thing)) context.json.fail(value, what + " " + *f);
+}
+
+void read_camera(JsonContext& context, const JsonValue& value, const std::string& name) {
+    const std::string what = name.empty() ? "camera" : named("camera", name);
+    const Record* record = context.json.select(value, camera_family(), what);
+    if (!record) return;
+    Camera camera;
+    camera.name = name;
+    camera.kind = Camera::Kind(record - camera_family().records.data());
+    context.json.record(value, *record, &camera, what);
+    check(context, value, camera, what);
+    context.scene.cameras.push_back(std::move(camera));
+}
+
+void read_environment(JsonContext& context, const JsonValue& value) {
+    const Family& family = environment_family();
+    const Record* record = context.json.select(value, family, "environment");
+    if (!record) return;
+    EnvironmentData& environment = context.scene.environment;
+    void* data = emplace<1>(environment, family, *record);
+    context.json.record(value, *record, data, "environment");
+    if (auto* image = std::get_if<ImageEnvironment>(&environment)) {
+        image->pixels = read_pixels(context, value, "environment");
+        if (image->pixels) image->file = *value.find("file")->text();
+    }
+    check(context, value, environment, "environment");
+}
+
+void read_textures(JsonContext& context, const JsonValue& value) {
+    const Family& family = texture_family();
+    each_named(context, value, "textures", [&](const JsonMember& member, std::size_t index) {
+        const std::string what = named("texture", member.key);
+        Texture& texture = context.scene.textures[index];
+        texture.name = member.key;
+        const Record* record = context.json.select(member.value, family, what);
+        if (!record) return;
+        void* data = emplace(texture.data, family, *record);
+        context.json.record(member.value, *record, data, what);
+        if (auto* image = std::get_if<ImageTexture>(&texture.data)) {
+            image->pixels = read_pixels(context, member.value, what);
+            if (image->pixels) {
+                image->file = *member.value.find("file")->text();
+                // Floating-point pictures are linear, unless the scene says otherwise.
+                if (!member.value.find("srgb") &&
+                    std::holds_alternative<std::vector<float>>(image->pixels->data))
+                    image->srgb = false;
+            }
+        }
+        check(context, member.value, texture, what);
+    });
+}
+
+// The grid of the volume that "density" names.
+int read_density(JsonContext& context, const JsonValue& value, const std::string& what) {
+    const std::string where = "\"density\" of " + what;
+    const int geometry = context.json.reference(value, context.geometries, where);
+    if (geometry < 0) return -1;
+    for (const Object& part : context.geometry_parts[std::size_t(geometry)].objects)
+        if (const auto* volume =
+                std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data))
+            return volume->grid;
+    context.json.fail(value, where + ": geometry \"" + *value.text() + "\" is not a volume");
+    return -1;
+}
+
+void read_media(JsonContext& context, const JsonValue& value) {
+    each_named(context, value, "media", [&](const JsonMember& member, std::size_t index) {
+        const std::string what = named("medium", member.key);
+        Medium& medium = context.scene.media[index];
+        medium.name = member.key;
+        context.json.record(member.value, medium_record(), &medium, what);
+        if (const JsonValue* density = member.value.find("density"))
+            medium.grid = read_density(context, *density, what);
+        if (const JsonValue* erosion = member.value.find("erosion"))
+            context.json.record(*erosion, erosion_record(), &medium.erosion, "erosion of " + what);
+        check(context, member.value, medium, what);
+    });
+}
+
+void read_lights(JsonContext& context, const JsonValue& value) {
+    const Family& family = light_family();
+    context.json.elements(value, "\"lights\"", [&](const JsonValue& element, std::size_t index) {
+        Light light;
+        if (const JsonValue* name = element.find("name"))
+            light.name =
+                context.json.text(*name, "\"name\" of lights[" + std::to_string(index) + "]").value_or("");
+        const std::string what =
+            light.name.empty() ? "lights[" + std::to_string(index) + "]" : named("light", light.name);
+        const Record* record = context.json.select(element, family, what);
+        if (!record) return;
+        void* data = emplace(light.data, family, *record);
+        context.json.record(element, *record, data, what);
+        check(context, element, light, what);
+        context.scene.lights.push_back(std::move(light));
+    });
+}
+
+void read_version(JsonContext& context, const JsonValue& root) {
+    const JsonValue* version = root.find("version");
+    if (!version) return;  // record() says that it is required
+    if (!version->number() || *version->number() != 1)
+        context.json.fail(*version, "\"version\" must be 1, the only version of scene files there is");
+}
+
+void read_scene(JsonContext& context, const JsonValue& root) {
+    Scene& scene = context.scene;
+    if (!context.json.record(root, scene_record(), nullptr, "the scene")) return;
+    read_version(context, root);
+    collect_names(context, root, "textures", context.textures);
+    collect_names(context, root, "materials", context.materials);
+    collect_names(context, root, "media", context.media);
+    collect_names(context, root, "geometries", context.geometries);
+    scene.textures.resize(context.textures.names.size());
+    scene.materials.resize(context.materials.names.size());
+    scene.media.resize(context.media.names.size());
+
+    const auto read = [&](const char* key, const auto& function) {
+        if (const JsonValue* value = root.find(key)) function(*value);
+    };
+    read("film",
+         [&](const JsonValue& value) { context.json.record(value, film_record(), &scene.film, "film"); });
+    read("integrator", [&](const JsonValue& value) {
+        context.json.record(value, integrator_record(), &scene.integrator, "integrator");
+    });
+    read("expected", [&](const JsonValue& value) {
+        context.json.record(value, expected_record(), &scene.expected.emplace(), "expected");
+    });
+    read("camera", [&](const JsonValue& value) { read_camera(context, value, ""); });
+    read("cameras", [&](const JsonValue& value) {
+        if (root.find("camera")) context.json.fail(value, "\"camera\" and \"cameras\" exclude each other");
+        each_named(context, value, "cameras", [&](const JsonMember& member, std::size_t) {
+            read_camera(context, member.value, member.key);
+        });
+    });
+    read("environment", [&](const JsonValue& value) { read_environment(context, value); });
+    read("textures", [&](const JsonValue& value) { read_textures(context, value); });
+    read("geometries", [&](const JsonValue& value) { read_geometries(context, value); });
+    read("media", [&](const JsonValue& value) { read_media(context, value); });
+    read("materials", [&](const JsonValue& value) { read_materials(context, value); });
+    read("objects", [&](const JsonValue& value) { read_objects(context, value); });
+    read("lights", [&](const JsonValue& value) { read_lights(context, value); });
+}
+
+}  // namespace
+
+std::filesystem::path read_path(JsonContext& context, const JsonValue& value, const std::string& where) {
+    const auto text = context.json.text(value, where);
+    if (!text) return {};
+    return context.folder / std::filesystem::path(*text);
+}
+
+Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file,
+                              const SceneLoaders& loaders) {
+    const Result<JsonDocument> document = parse_json(std::string(text), file.string());
+    if (!document) return document.error();
+    Scene scene;
+    JsonReader json(*document);
+    JsonContext context{json, loaders, file.parent_path(), scene};
+    read_scene(context, document->root);
+    if (json.error()) return *json.error();
+    if (const Result<void> valid = validate(scene); !valid)
+        return Error{file.string() + ": " + valid.error().message};
+    return scene;
+}
+
+}  // namespace spinel

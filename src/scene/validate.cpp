@@ -1,0 +1,360 @@
+#include "scene/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/pixels.h"
+#include "scene/scene_fields.h"
+
+namespace spinel {
+namespace {
+
+using Fault = std::optional<std::string>;
+
+bool finite(float x) { return std::isfinite(x); }
+bool finite(const vec2& v) { return finite(v.x) && finite(v.y); }
+bool finite(const vec3& v) { return finite(v.x) && finite(v.y) && finite(v.z); }
+bool finite(const vec4& v) { return finite(vec3(v)) && finite(v.w); }
+bool finite(const mat4x3& m) { return finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(m[3]); }
+// Comparisons are written so that NaN fails them.
+bool at_least_zero(const vec3& v) { return finite(v) && v.x >= 0 && v.y >= 0 && v.z >= 0; }
+bool above_zero(float x) { return finite(x) && x > 0; }
+
+template <class Vector>
+bool all_finite(const std::vector<Vector>& values) {
+    return std::all_of(values.begin(), values.end(), [](const Vector& v) { return finite(v); });
+}
+
+Fault pixels_fault(const std::shared_ptr<const PixelBuffer>& pixels) {
+    if (!pixels) return "has no pixels";
+    if (pixels->width <= 0 || pixels->height <= 0 || pixels->channels < 1 || pixels->channels > 4)
+        return "has a picture of zero size or not of 1 to 4 channels";
+    const std::size_t count = std::visit([](const auto& values) { return values.size(); }, pixels->data);
+    if (count != pixels->value_count()) return "has a picture whose number of values does not match its size";
+    return {};
+}
+
+Fault mesh_fault(const MeshGeometry& mesh) {
+    const std::size_t vertex_count = mesh.positions.size();
+    if (mesh.triangles.empty()) return "has no triangles";
+    if (!all_finite(mesh.positions)) return "has a vertex that is not finite";
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (int corner = 0; corner < 3; ++corner)
+            if (mesh.triangles[i][corner] >= vertex_count)
+                return "has a triangle (" + std::to_string(i) + ") with vertex " +
+                       std::to_string(mesh.triangles[i][corner]) + ", but there are " +
+                       std::to_string(vertex_count) + " vertices";
+    const auto miscounted = [&](const char* name, std::size_t count, std::size_t wanted) -> Fault {
+        if (count == 0 || count == wanted) return {};
+        return "has " + std::to_string(count) + " " + name + "; there must be none or " +
+               std::to_string(wanted);
+    };
+    if (auto f = miscounted("normals", mesh.normals.size(), vertex_count)) return f;
+    if (auto f = miscounted("uvs", mesh.uvs.size(), vertex_count)) return f;
+    if (auto f = miscounted("tangents", mesh.tangents.size(), vertex_count)) return f;
+    if (auto f = miscounted("colors", mesh.colors.size(), vertex_count)) return f;
+    if (auto f = miscounted("slots", mesh.slots.size(), mesh.triangles.size())) return f;
+    if (!all_finite(mesh.normals) || !all_finite(mesh.uvs) || !all_finite(mesh.tangents) ||
+        !all_finite(mesh.colors))
+        return "has a normal, uv, tangent or colour that is not finite";
+    return {};
+}
+
+Fault voxels_fault(const VoxelGeometry& voxels) {
+    const ivec3 size = voxels.size;
+    if (size.x < 1 || size.y < 1 || size.z < 1)
+        return "has no voxels: its size must be at least 1 along each axis";
+    const std::size_t count = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
+    if (voxels.cells.size() != count)
+        return "has " + std::to_string(voxels.cells.size()) + " cells; its size needs " +
+               std::to_string(count);
+    return {};
+}
+
+Fault sdf_fault(const SdfGeometry& sdf) {
+    if (sdf.root.op.empty()) return "has no expression";
+    if (sdf.bounds) {
+        const auto& [lower, upper] = *sdf.bounds;
+        if (!finite(lower) || !finite(upper) ||
+            !(lower.x < upper.x && lower.y < upper.y && lower.z < upper.z))
+            return "has bounds whose lower corner is not below the upper one";
+    }
+    return {};
+}
+
+template <class... Functions>
+struct overloaded : Functions... {
+    using Functions::operator()...;
+};
+
+// Of a material, by the sizes of what it refers to.
+Fault material_fault(const kernels::Material& m, const Scene& scene) {
+    for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture,
+                                        m.emission_texture, m.normal_texture, m.opacity_texture})
+        if (texture != kernels::NONE && texture >= scene.textures.size())
+            return "refers to a texture that is not there";
+    if (m.interior != kernels::NONE && m.interior >= scene.media.size())
+        return "refers to a medium that is not there";
+    if (!at_least_zero(m.color) || !at_least_zero(m.absorption) || !at_least_zero(m.emission) ||
+        !at_least_zero(m.eta) || !at_least_zero(m.k) || !at_least_zero(m.edge_color))
+        return "has a colour, emission, absorption or complex index that is negative or not finite";
+    if (!(m.roughness >= 0 && finite(m.roughness))) return "has a roughness that is negative or not finite";
+    if (!(m.metallic >= 0 && m.metallic <= 1)) return "has metallic outside of 0 … 1";
+    if (!(m.opacity >= 0 && m.opacity <= 1)) return "has opacity outside of 0 … 1";
+    if (!above_zero(m.ior)) return "has an index of refraction that is not above 0";
+    if (!finite(m.normal_scale)) return "has a normal_scale that is not finite";
+    return {};
+}
+
+Fault object_fault(const Object& object, const Scene& scene, const std::vector<std::uint32_t>& slot_counts) {
+    if (object.geometry < 0 || std::size_t(object.geometry) >= scene.geometries.size())
+        return "refers to a geometry that is not there";
+    for (const int material : object.materials)
+        if (material < -1 || material >= int(scene.materials.size()))
+            return "refers to a material that is not there";
+    if (object.interior < -1 || object.interior >= int(scene.media.size()))
+        return "refers to a medium that is not there";
+    if (auto f = transform_fault(object.transform)) return f;
+
+    const Geometry& geometry = scene.geometries[std::size_t(object.geometry)];
+    const std::string kind(kind_name(geometry));
+    if (std::holds_alternative<VolumeGeometry>(geometry.data)) {
+        if (object.interior < 0) return "is a volume without an interior medium";
+        if (std::any_of(object.materials.begin(), object.materials.end(), [](int m) { return m >= 0; }))
+            return "is a volume, which has no surface for a material";
+        return {};
+    }
+    const bool closed = !std::holds_alternative<PlaneGeometry>(geometry.data) &&
+                        !std::holds_alternative<RectangleGeometry>(geometry.data);
+    if (object.interior >= 0 && !closed)
+        return "is a " + kind + ", which has no inside for an interior medium";
+    const std::uint32_t slots = slot_counts[std::size_t(object.geometry)];
+    if (object.materials.empty()) return "has no material";
+    if (object.materials.size() > 1 && object.materials.size() < slots)
+        return "has " + std::to_string(object.materials.size()) + " materials, but its geometry uses " +
+               std::to_string(slots) + " slots";
+    return {};
+}
+
+std::string called(const char* noun, const std::string& name, std::size_t index) {
+    return noun + (name.empty() ? " " + std::to_string(index) : " \"" + name + "\"");
+}
+
+}  // namespace
+
+std::string_view kind_name(const Geometry& geometry) {
+    return geometry_family().records[geometry.data.index()].type;
+}
+
+std::uint32_t slot_count(const Geometry& geometry) {
+    if (const auto* mesh = std::get_if<MeshGeometry>(&geometry.data))
+        return mesh->slots.empty() ? 1 : *std::max_element(mesh->slots.begin(), mesh->slots.end()) + 1;
+    if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data))
+        return voxels->cells.empty() ? 0 : *std::max_element(voxels->cells.begin(), voxels->cells.end());
+    return std::holds_alternative<VolumeGeometry>(geometry.data) ? 0 : 1;
+}
+
+Fault transform_fault(const mat4x3& transform) {
+    if (!finite(transform)) return "has a transform that is not finite";
+    const glm::dvec3 x(transform[0]), y(transform[1]), z(transform[2]);
+    const double volume = std::abs(glm::dot(glm::cross(x, y), z));
+    const double edges = glm::length(x) * glm::length(y) * glm::length(z);
+    if (!(volume > 1e-6 * edges)) return "has a singular transform: it flattens space";
+    return {};
+}
+
+Fault fault(const Camera& camera) {
+    if (!finite(camera.from) || !finite(camera.at) || !finite(camera.up))
+        return "has a point that is not finite";
+    const glm::dvec3 view = glm::dvec3(camera.at) - glm::dvec3(camera.from), up(camera.up);
+    if (!(glm::length(view) > 0))
+        return "looks at the point where it stands: \"from\" and \"at\" must differ";
+    if (!(glm::length(glm::cross(view, up)) > 1e-6 * glm::length(view) * glm::length(up)))
+        return "has \"up\" along its view";
+    if (camera.kind == Camera::Kind::perspective && !(camera.fov > 0 && camera.fov < 180))
+        return "has a fov that is not between 0 and 180 degrees";
+    if (camera.kind == Camera::Kind::orthographic && !above_zero(camera.height))
+        return "has a height that is not above 0";
+    if (!(camera.lens_radius >= 0 && finite(camera.lens_radius))) return "has a negative lens_radius";
+    if (!(camera.focus_distance >= 0 && finite(camera.focus_distance)))
+        return "has a negative focus_distance";
+    return {};
+}
+
+Fault fault(const Film& film) {
+    if (film.size.x < 1 || film.size.y < 1)
+        return "has a size of zero: width and height must be at least 1 pixel";
+    if (film.size.x > 65536 || film.size.y > 65536) return "is more than 65536 pixels wide or high";
+    if (!finite(film.exposure)) return "has an exposure that is not finite";
+    if (!above_zero(film.filter_radius)) return "has a filter_radius that is not above 0";
+    return {};
+}
+
+Fault fault(const Light& light) {
+    return std::visit(
+        overloaded{
+            [](const PointLight& l) -> Fault {
+                if (!finite(l.position)) return "has a position that is not finite";
+                if (!at_least_zero(l.intensity)) return "has an intensity that is negative or not finite";
+                return {};
+            },
+            [](const SpotLight& l) -> Fault {
+                if (!finite(l.position)) return "has a position that is not finite";
+                if (!finite(l.direction) || !(glm::length(l.direction) > 0))
+                    return "has a direction of length 0";
+                if (!at_least_zero(l.intensity)) return "has an intensity that is negative or not finite";
+                if (!(l.inner_angle >= 0 && l.outer_angle <= 90 && l.inner_angle <= l.outer_angle &&
+                      l.outer_angle > 0))
+                    return "must have 0 ≤ inner_angle ≤ outer_angle ≤ 90 degrees, and outer_angle above 0";
+                return {};
+            },
+            [](const DirectionalLight& l) -> Fault {
+                if (!finite(l.direction) || !(glm::length(l.direction) > 0))
+                    return "has a direction of length 0";
+                if (!at_least_zero(l.irradiance)) return "has an irradiance that is negative or not finite";
+                if (!(l.angular_radius >= 0 && l.angular_radius < 90))
+                    return "must have an angular_radius from 0 to below 90 degrees";
+                return {};
+            },
+        },
+        light.data);
+}
+
+Fault fault(const Medium& medium) {
+    if (!at_least_zero(medium.scattering) || !at_least_zero(medium.absorption) ||
+        !at_least_zero(medium.emission))
+        return "has a coefficient or emission that is negative or not finite";
+    if (!(medium.g > -1 && medium.g < 1)) return "has g that is not between −1 and 1";
+    const Erosion& erosion = medium.erosion;
+    if (erosion.kind != Erosion::Kind::none) {
+        if (medium.grid < 0) return "has erosion but no density that it could eat";
+        if (!(erosion.strength >= 0 && finite(erosion.strength)) || !above_zero(erosion.frequency) ||
+            erosion.octaves < 1 || erosion.octaves > 16 || !finite(erosion.drift))
+            return "has erosion with a strength, frequency, number of octaves or drift out of range";
+    }
+    return {};
+}
+
+Fault fault(const Grid& grid) {
+    if (grid.size.x < 1 || grid.size.y < 1 || grid.size.z < 1) return "has a size of zero";
+    const std::size_t count = std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z);
+    if (grid.values.size() != count)
+        return "has " + std::to_string(grid.values.size()) + " values; its size needs " +
+               std::to_string(count);
+    for (const float value : grid.values)
+        if (!(value >= 0 && finite(value))) return "has a density that is negative or not finite";
+    return transform_fault(grid.index_to_local);
+}
+
+Fault fault(const Geometry& geometry) {
+    return std::visit(
+        overloaded{
+            [](const MeshGeometry& mesh) { return mesh_fault(mesh); },
+            [](const VoxelGeometry& voxels) { return voxels_fault(voxels); },
+            [](const VolumeGeometry&) -> Fault { return {}; },
+            [](const SdfGeometry& sdf) { return sdf_fault(sdf); },
+            [](const SphereGeometry& sphere) -> Fault {
+                if (!above_zero(sphere.radius)) return "has a radius that is not above 0";
+                return {};
+            },
+            [](const BoxGeometry& box) -> Fault {
+                if (!above_zero(box.size.x) || !above_zero(box.size.y) || !above_zero(box.size.z))
+                    return "has an edge that is not above 0";
+                return {};
+            },
+            [](const PlaneGeometry&) -> Fault { return {}; },
+            [](const RectangleGeometry& rectangle) -> Fault {
+                if (!above_zero(rectangle.size.x) || !above_zero(rectangle.size.y))
+                    return "has an edge that is not above 0";
+                return {};
+            },
+        },
+        geometry.data);
+}
+
+Fault fault(const EnvironmentData& environment) {
+    return std::visit(overloaded{
+                          [](std::monostate) -> Fault { return {}; },
+                          [](const ConstantEnvironment& e) -> Fault {
+                              if (!at_least_zero(e.radiance))
+                                  return "has a radiance that is negative or not finite";
+                              return {};
+                          },
+                          [](const ImageEnvironment& e) -> Fault {
+                              if (!at_least_zero(e.scale) || !finite(e.rotation))
+                                  return "has a scale that is negative, or a rotation that is not finite";
+                              return pixels_fault(e.pixels);
+                          },
+                          [](const SkyEnvironment& e) -> Fault {
+                              if (!(e.sun_elevation >= -90 && e.sun_elevation <= 90))
+                                  return "has a sun_elevation outside of −90 … 90 degrees";
+                              if (!finite(e.sun_azimuth)) return "has a sun_azimuth that is not finite";
+                              if (!(e.sun_angular_radius > 0 && e.sun_angular_radius < 90))
+                                  return "has a sun_angular_radius that is not between 0 and 90 degrees";
+                              if (!(e.haze >= 0 && finite(e.haze)) || !(e.scale >= 0 && finite(e.scale)))
+                                  return "has haze or scale that is negative or not finite";
+                              return {};
+                          },
+                      },
+                      environment);
+}
+
+Fault fault(const Texture& texture) {
+    return std::visit(overloaded{
+                          [](const ImageTexture& image) -> Fault {
+                              if (!finite(image.scale) || !finite(image.offset))
+                                  return "has a scale or offset that is not finite";
+                              return pixels_fault(image.pixels);
+                          },
+                          [](const CheckerTexture& checker) -> Fault {
+                              if (!at_least_zero(checker.color_a) || !at_least_zero(checker.color_b))
+                                  return "has a colour that is negative or not finite";
+                              if (!finite(checker.scale) || !finite(checker.offset))
+                                  return "has a scale or offset that is not finite";
+                              return {};
+                          },
+                      },
+                      texture.data);
+}
+
+Result<void> validate(const Scene& scene) {
+    const auto error = [](const std::string& thing, const Fault& f) { return Error{thing + " " + *f}; };
+    const auto each = [&](const char* noun, const auto& things) -> Result<void> {
+        for (std::size_t i = 0; i < things.size(); ++i)
+            if (const Fault f = fault(things[i])) return error(called(noun, things[i].name, i), f);
+        return {};
+    };
+    if (const Fault f = fault(scene.film)) return error("film", f);
+    if (scene.integrator.spp < 1) return Error{"integrator needs at least 1 sample per pixel"};
+    if (scene.integrator.max_bounces < 0) return Error{"integrator has a negative max_bounces"};
+    if (const Fault f = fault(scene.environment)) return error("environment", f);
+    if (auto result = each("camera", scene.cameras); !result) return result;
+    if (auto result = each("texture", scene.textures); !result) return result;
+    if (auto result = each("grid", scene.grids); !result) return result;
+    if (auto result = each("medium", scene.media); !result) return result;
+    if (auto result = each("geometry", scene.geometries); !result) return result;
+    if (auto result = each("light", scene.lights); !result) return result;
+    for (std::size_t i = 0; i < scene.media.size(); ++i)
+        if (scene.media[i].grid < -1 || scene.media[i].grid >= int(scene.grids.size()))
+            return Error{called("medium", scene.media[i].name, i) + " refers to a grid that is not there"};
+    for (std::size_t i = 0; i < scene.materials.size(); ++i)
+        if (const Fault f = material_fault(scene.materials[i].values, scene))
+            return error(called("material", scene.materials[i].name, i), f);
+
+    std::vector<std::uint32_t> slot_counts;
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
+        const Geometry& geometry = scene.geometries[i];
+        if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data))
+            if (volume->grid < 0 || volume->grid >= int(scene.grids.size()))
+                return Error{called("geometry", geometry.name, i) + " refers to a grid that is not there"};
+        slot_counts.push_back(slot_count(geometry));
+    }
+    for (std::size_t i = 0; i < scene.objects.size(); ++i)
+        if (const Fault f = object_fault(scene.objects[i], scene, slot_counts))
+            return error(called("object", scene.objects[i].name, i), f);
+    if (scene.expected && (!at_least_zero(scene.expected->mean) || !above_zero(scene.expected->tolerance)))
+        return Error{"expected has a mean or a tolerance that is negative or not finite"};
+    return {};
+}
+
+}  // namespace spinel
