@@ -1,0 +1,126 @@
+#include "spinel/trace.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+#include "kernels/traverse.h"
+#include "render/reference.h"
+
+namespace spinel {
+namespace {
+
+using kernels::Hit;
+using kernels::NONE;
+using kernels::Ray;
+using kernels::SceneView;
+
+// To add an accelerator, write its two functions and add its row. Tests and `--accel` take the names from
+// here.
+constexpr Accelerator table[] = {
+    {"bvh2", "binary BVH over triangles and over instances, stack walk",
+     [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
+         return kernels::walk_closest(scene, ray, mask);
+     },
+     [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
+         return kernels::walk_any(scene, ray, mask);
+     }},
+    {"brute-force", "the naive twin: every primitive in double precision, to test the others against",
+     brute_force_closest, brute_force_any},
+};
+
+bool is_usable(const Ray& ray) {
+    const glm::vec3 o = ray.origin, d = ray.direction;
+    const float sum =
+        std::abs(o.x) + std::abs(o.y) + std::abs(o.z) + std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+    return std::isfinite(sum) && !kernels::is_black(d) && ray.t_min < ray.t_max;
+}
+
+std::uint32_t material_slot(const SceneView& scene, const Hit& hit) {
+    const kernels::Instance& instance = scene.instances.at[hit.instance];
+    switch (instance.geometry_kind) {
+        case kernels::GEOMETRY_MESH: {
+            const kernels::Mesh& mesh = scene.meshes.at[instance.geometry];
+            return scene.triangle_infos.at[mesh.triangle_first + hit.primitive].slot;
+        }
+        case kernels::GEOMETRY_VOXELS: {
+            const kernels::uint words = scene.voxel_grids.at[instance.geometry].word_first;
+            return kernels::voxel_palette(scene, words, hit.primitive) - 1u;
+        }
+        default: return 0;
+    }
+}
+
+std::uint32_t material_of(const SceneView& scene, const Hit& hit) {
+    return scene.slots.at[scene.instances.at[hit.instance].slot_first + material_slot(scene, hit)].material;
+}
+
+// The first hit whose surface has a material. t grows from hit to hit, so the loop ends.
+Hit first_material(const SceneView& scene, const Accelerator& accelerator, Ray ray, kernels::uint mask) {
+    for (;;) {
+        const Hit hit = accelerator.closest(scene, ray, mask);
+        if (!kernels::is_hit(hit) || material_of(scene, hit) != NONE) return hit;
+        ray.t_min = hit.t;
+    }
+}
+
+bool any_material(const SceneView& scene, const Accelerator& accelerator, const Ray& ray) {
+    if (accelerator.any(scene, ray, kernels::TRACE_SOLID)) return true;
+    return scene.pass_through_count > 0 &&
+           kernels::is_hit(first_material(scene, accelerator, ray, kernels::TRACE_PASS_THROUGH));
+}
+
+constexpr TraceHit miss = {std::numeric_limits<float>::infinity(), NONE, NONE, 0, 0, 0, 0, 0, 0, 0, 0, NONE};
+
+TraceHit report(const SceneView& scene, const Hit& hit) {
+    const kernels::Instance& instance = scene.instances.at[hit.instance];
+    std::uint32_t primitive = hit.primitive;
+    if (instance.geometry_kind == kernels::GEOMETRY_MESH) {
+        primitive =
+            scene.triangle_infos.at[scene.meshes.at[instance.geometry].triangle_first + primitive].primitive;
+    }
+    // Normals go by the inverse transpose. In double: the square of a small triangle's normal may leave a
+    // float's range.
+    const glm::dvec3 normal =
+        glm::normalize(glm::dvec3(hit.normal) * glm::dmat3(glm::mat3(instance.world_to_object)));
+    return {hit.t,           hit.instance,    primitive,  hit.uv.x,   hit.uv.y,   float(normal.x),
+            float(normal.y), float(normal.z), hit.cell.x, hit.cell.y, hit.cell.z, material_of(scene, hit)};
+}
+
+}  // namespace
+
+std::span<const Accelerator> accelerators() { return table; }
+
+Result<const Accelerator*> find_accelerator(const std::string& name) {
+    std::string available;
+    for (const Accelerator& accelerator : table) {
+        if (accelerator.name == name) return &accelerator;
+        available += (available.empty() ? "" : ", ") + std::string(accelerator.name);
+    }
+    return Error{"unknown accelerator '" + name + "'; available: " + available};
+}
+
+Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const TraceRay> rays,
+                                         const TraceOptions& options) {
+    const auto accelerator = find_accelerator(options.accelerator);
+    if (!accelerator) return accelerator.error();
+    std::vector<TraceHit> hits(rays.size(), miss);
+    const ThreadLimit limit(options.threads);
+    parallel_for(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            // Distances beyond INFINITE, +∞ among them, mean "no limit".
+            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction,
+                          std::min(rays[i].t_max, kernels::INFINITE));
+            if (!is_usable(ray)) continue;
+            if (options.any) {
+                if (any_material(scene, **accelerator, ray)) hits[i].t = 0;
+                continue;
+            }
+            const Hit hit = first_material(scene, **accelerator, ray, kernels::TRACE_ALL);
+            if (kernels::is_hit(hit)) hits[i] = report(scene, hit);
+        }
+    });
+    return hits;
+}
+
+}  // namespace spinel
