@@ -1,0 +1,34 @@
+#pragma once
+// Files of 3D things. A model file becomes a scene fragment: geometries, materials, textures, grids and
+// media, with objects that place them; cameras and lights only where the file holds some. A fragment is a
+// valid part of a scene: the caller adds what is missing, or merges it into a scene of its own.
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+#include "spinel/scene.h"
+
+namespace spinel {
+
+struct Format {
+    std::string_view name;                     // "vox"
+    std::vector<std::string_view> extensions;  // lower case, with the dot
+    std::string_view description;              // one line for `spinel list formats`
+    Result<Scene> (*load)(const std::filesystem::path& path);
+    Result<void> (*save)(const Scene& scene, const std::filesystem::path& path);  // null: cannot be written
+};
+
+// One row for each format. To add one, write its load function and add its row in formats.cpp.
+std::span<const Format> formats();
+
+// The format whose extension the file has (upper or lower case), or null.
+const Format* format_of(const std::filesystem::path& path);
+
+Result<Scene> load_model(const std::filesystem::path& path);
+Result<void> save_model(const Scene& scene, const std::filesystem::path& path);
+
+}  // namespace spinel

@@ -1,0 +1,252 @@
+#pragma once
+// A scene as plain data: what the user said, nothing computed. Things refer to each other by index into the scene's
+// vectors; −1 (or kernels::NONE in a material) is "none". Build one by hand, or read a file (spinel/formats.h); then
+// compile() freezes it for rendering.
+//
+// Space: right-handed, +y up, units are the scene's own. Angles in degrees (kernels speak radians). Colours are linear
+// Rec.709.
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "image/tone_map.h"
+#include "kernels/scene_view.h"
+
+namespace spinel {
+
+using glm::ivec2;
+using glm::ivec3;
+using glm::mat3;
+using glm::mat4x3;
+using glm::uvec3;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+struct PixelBuffer;  // image/pixels.h
+
+// ------------------------------------------------------------------------------------------------- textures, materials
+enum class Filter { nearest, linear };
+enum class Wrap { repeat, clamp, mirror };
+
+struct ImageTexture {
+    std::string file;                           // where it came from, for messages
+    std::shared_ptr<const PixelBuffer> pixels;  // never null in a valid scene
+    bool srgb = true;                           // 8-bit colour; false for data (normals, roughness) and floating point
+    Filter filter = Filter::linear;
+    Wrap wrap = Wrap::repeat;
+    vec2 scale = {1, 1};
+    vec2 offset = {0, 0};
+};
+
+struct CheckerTexture {
+    vec3 color_a = {0.8f, 0.8f, 0.8f};
+    vec3 color_b = {0.2f, 0.2f, 0.2f};
+    vec2 scale = {1, 1};  // squares per unit of uv
+    vec2 offset = {0, 0};
+};
+
+struct Texture {
+    std::string name;
+    std::variant<ImageTexture, CheckerTexture> data;
+};
+
+// The kernel's own record; texture members are indices into Scene::textures, `interior` into Scene::media.
+// default_material(kind) in scene/registry.h fills in the defaults of a kind.
+struct Material {
+    std::string name;
+    kernels::Material values;
+};
+
+// ---------------------------------------------------------------------------------------------------------------- media
+// A scalar field on a regular grid; sample (i,j,k) sits at (i+½, j+½, k+½) of index space, x fastest.
+struct Grid {
+    std::string name;
+    ivec3 size = {0, 0, 0};
+    std::vector<float> values;         // size.x·size.y·size.z, finite, ≥ 0
+    mat4x3 index_to_local = mat4x3(1);  // index space to the space of the object that holds it
+    Filter filter = Filter::linear;
+};
+
+// Noise that eats a density: density = grid · max(0, offset + strength·noise), see kernels/density.h.
+struct Erosion {
+    enum class Kind { none, value, fbm };  // one octave about zero (the simple bunny), or fractal sum
+    Kind kind = Kind::none;
+    float strength = 1;
+    float frequency = 12;  // per edge of the grid's box
+    int octaves = 4;
+    vec3 drift = {0, 0, 0};
+};
+
+struct Medium {
+    std::string name;
+    vec3 scattering = {0, 0, 0};  // σs per unit length at density 1
+    vec3 absorption = {0, 0, 0};  // σa per unit length at density 1
+    float g = 0;                  // Henyey–Greenstein asymmetry, −1 … 1
+    vec3 emission = {0, 0, 0};    // radiance per unit length at density 1
+    int grid = -1;                // −1: homogeneous
+    Erosion erosion;
+};
+
+// ----------------------------------------------------------------------------------------------------------- geometries
+struct MeshGeometry {
+    std::vector<vec3> positions;
+    std::vector<uvec3> triangles;
+    std::vector<vec3> normals;         // empty, or one a vertex
+    std::vector<vec2> uvs;             // empty, or one a vertex
+    std::vector<vec4> tangents;        // empty, or one a vertex; w is the bitangent's sign
+    std::vector<vec4> colors;          // empty, or one a vertex, linear; multiplies the base colour
+    std::vector<std::uint32_t> slots;  // empty (all 0), or the material slot of each triangle
+};
+
+// Dense for now; cell (i,j,k) fills [i,i+1)×… of local space and is at cells[i + size.x·(j + size.y·k)]. 0 is empty,
+// palette index p uses material slot p − 1.
+struct VoxelGeometry {
+    ivec3 size = {0, 0, 0};
+    std::vector<std::uint8_t> cells;
+};
+
+// The box of a density grid: has no surface of its own, holds an object's interior medium.
+struct VolumeGeometry {
+    int grid = -1;
+};
+
+// Expression tree of a signed distance bound, negative inside. What each operation takes: geometry/sdf.
+struct SdfNode {
+    std::string op;                    // "sphere", "union", "translate", …
+    std::vector<float> numbers;        // the operation's parameters, in the order of its table
+    std::vector<SdfNode> children;
+};
+struct SdfGeometry {
+    SdfNode root;
+    std::optional<std::pair<vec3, vec3>> bounds;  // needed where the expression is unbounded; clips the solid
+};
+
+struct SphereGeometry {
+    float radius = 1;  // about the origin
+};
+struct BoxGeometry {
+    vec3 size = {1, 1, 1};  // full edges, about the origin
+};
+struct PlaneGeometry {};  // y = 0, infinite, normal +y
+struct RectangleGeometry {
+    vec2 size = {1, 1};  // full edges along x and z, about the origin, normal +y
+};
+
+struct Geometry {
+    std::string name;
+    std::variant<MeshGeometry, VoxelGeometry, VolumeGeometry, SdfGeometry, SphereGeometry, BoxGeometry, PlaneGeometry,
+                 RectangleGeometry>
+        data;
+};
+
+// ------------------------------------------------------------------------------------------------------ objects, lights
+struct Object {
+    std::string name;
+    int geometry = -1;
+    mat4x3 transform = mat4x3(1);  // object to world, affine, not singular
+    std::vector<int> materials;    // one for each slot; a single one serves all; −1: an interface that does not scatter
+    int interior = -1;             // medium inside (closed geometries); overrides the material's own
+};
+
+struct PointLight {
+    vec3 position = {0, 0, 0};
+    vec3 intensity = {1, 1, 1};  // W/sr
+};
+struct SpotLight {
+    vec3 position = {0, 0, 0};
+    vec3 direction = {0, -1, 0};
+    vec3 intensity = {1, 1, 1};  // W/sr on the axis
+    float inner_angle = 20;      // half-angle of full intensity
+    float outer_angle = 30;      // half-angle beyond which there is none
+};
+struct DirectionalLight {
+    vec3 direction = {0, -1, 0};   // that the light travels in
+    vec3 irradiance = {1, 1, 1};   // W/m² on a surface that faces it
+    float angular_radius = 0;      // of the disc it comes from; the sun's is 0.265
+};
+struct Light {
+    std::string name;
+    std::variant<PointLight, SpotLight, DirectionalLight> data;
+};
+
+struct ConstantEnvironment {
+    vec3 radiance = {1, 1, 1};
+};
+struct ImageEnvironment {
+    std::string file;
+    std::shared_ptr<const PixelBuffer> pixels;  // equirectangular
+    vec3 scale = {1, 1, 1};
+    float rotation = 0;  // about +y
+    Filter filter = Filter::linear;
+};
+// Clear sky with its sun: single scattering in air, haze and ozone, after Nishita et al. 1993 (kernels/sky.h).
+struct SkyEnvironment {
+    float sun_elevation = 40;          // above the horizon
+    float sun_azimuth = 135;           // from +z (south of a viewer who looks along −z) towards +x
+    float sun_angular_radius = 0.265f;
+    float haze = 1;                    // 1: clear air; more: hazier
+    float scale = 1;                   // of sky and sun together
+    bool sun = true;                   // false: the sky alone
+};
+using EnvironmentData = std::variant<std::monostate, ConstantEnvironment, ImageEnvironment, SkyEnvironment>;
+
+// ------------------------------------------------------------------------------------------------------- camera and film
+struct Camera {
+    std::string name;
+    enum class Kind { perspective, orthographic };
+    Kind kind = Kind::perspective;
+    vec3 from = {0, 0, 5};
+    vec3 at = {0, 0, 0};
+    vec3 up = {0, 1, 0};
+    float fov = 45;             // vertical, full angle (perspective)
+    float height = 2;           // of the picture in world units (orthographic)
+    float lens_radius = 0;      // world units; 0: everything is sharp
+    float focus_distance = 0;   // 0: the distance to `at`
+    bool mirrored = false;      // flips left and right, for scenes made for left-handed systems
+};
+
+enum class PixelFilter { box, tent, gaussian, blackman_harris };
+
+struct Film {
+    ivec2 size = {1280, 720};
+    float exposure = 0;          // stops
+    ToneMap tone_map = ToneMap::agx;
+    PixelFilter filter = PixelFilter::blackman_harris;
+    float filter_radius = 1.5f;  // pixels; a box of radius 0.5 is the pixel itself
+};
+
+// What the path tracer should do; the command line overrides it.
+struct IntegratorSettings {
+    std::string name = "path";
+    int spp = 64;         // samples per pixel
+    int max_bounces = -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
+};
+
+// A scene file that is a test carries what it must give: the mean over the picture.
+struct Expected {
+    vec3 mean = {0, 0, 0};
+    float tolerance = 0.005f;  // relative
+};
+
+struct Scene {
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Grid> grids;
+    std::vector<Medium> media;
+    std::vector<Geometry> geometries;
+    std::vector<Object> objects;
+    std::vector<Light> lights;
+    EnvironmentData environment;
+    std::vector<Camera> cameras;  // the first is the default
+    Film film;
+    IntegratorSettings integrator;
+    std::optional<Expected> expected;
+};
+
+}  // namespace spinel

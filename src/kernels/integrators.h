@@ -1,0 +1,41 @@
+#ifndef SPINEL_KERNELS_INTEGRATORS_H
+#define SPINEL_KERNELS_INTEGRATORS_H
+// What a sample of a pixel can be. To add an integrator: a function here or in a header of its own, and one row in
+// SPINEL_INTEGRATORS; the devices, `spinel list integrators`, the scene file and the command line follow from it.
+#include "path.h"
+KERNELS_BEGIN
+
+struct PixelSample {
+    vec3 radiance;
+    FirstHit first;
+    bool bound_reached;  // a safety bound cut the path: counted, since it would be a bias
+};
+
+FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
+    PathState state = trace_path(scene, settings, pixel, index);
+    return PixelSample(state.radiance, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
+}
+
+// Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
+FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
+    PathSettings seen = PathSettings(settings.seed, 0, 0);
+    PathState state = trace_path(scene, seen, pixel, index);
+    vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
+    return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
+}
+
+//      number  name      what it shows
+#define SPINEL_INTEGRATORS(ROW)                                                                    \
+    ROW(0u, path, "volumetric path tracing with next-event estimation and multiple importance sampling") \
+    ROW(1u, normals, "shading normals of what is seen first")
+
+FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel, uint index) {
+#define SPINEL_INTEGRATOR_CASE(number, name, doc) \
+    if (integrator == number) return integrate_##name(scene, settings, pixel, index);
+    SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)
+#undef SPINEL_INTEGRATOR_CASE
+    return PixelSample(vec3(0.0f), FirstHit(vec3(0.0f), 0.0f, vec3(0.0f), NONE), false);
+}
+
+KERNELS_END
+#endif

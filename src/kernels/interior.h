@@ -1,0 +1,104 @@
+#ifndef SPINEL_KERNELS_INTERIOR_H
+#define SPINEL_KERNELS_INTERIOR_H
+// What a path is inside of: a short multiset of interiors, updated at every boundary it crosses. Dielectrics nest by
+// priority (Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 7(2), 2002): where several overlap,
+// the highest priority is what is there, and boundaries of the others are not seen. Interiors without an index of
+// refraction are mere volumes; they add to whatever they overlap.
+#include "scene_view.h"
+KERNELS_BEGIN
+
+const uint MAX_INSIDE = 8u;
+
+struct Inside {
+    uint entries[8];  // interior indices
+    uint count;
+};
+
+FN Inside inside_nothing() {
+    Inside list;
+    for (uint i = 0u; i < MAX_INSIDE; ++i) list.entries[i] = NONE;
+    list.count = 0u;
+    return list;
+}
+
+// Beyond MAX_INSIDE nested solids the innermost are ignored on entry and on exit alike.
+FN void inside_enter(inout(Inside) list, uint interior) {
+    if (interior == NONE || list.count >= MAX_INSIDE) return;
+    list.entries[list.count] = interior;
+    list.count += 1u;
+}
+
+FN void inside_leave(inout(Inside) list, uint interior) {
+    for (uint i = 0u; i < list.count; ++i) {
+        if (list.entries[i] == interior) {
+            for (uint j = i + 1u; j < list.count; ++j) list.entries[j - 1u] = list.entries[j];
+            list.count -= 1u;
+            return;
+        }
+    }
+}
+
+FN bool inside_contains(const_in(Inside) list, uint interior) {
+    for (uint i = 0u; i < list.count; ++i)
+        if (list.entries[i] == interior) return true;
+    return false;
+}
+
+// The dielectric that is really there: highest priority, the first entered among equals; NONE in air.
+FN uint inside_dielectric(const_in(SceneView) scene, const_in(Inside) list) {
+    uint winner = NONE;
+    int priority = 0;
+    for (uint i = 0u; i < list.count; ++i) {
+        Interior interior = scene.interiors.at[list.entries[i]];
+        if (interior.ior > 0.0f && (winner == NONE || interior.priority > priority)) {
+            winner = list.entries[i];
+            priority = interior.priority;
+        }
+    }
+    return winner;
+}
+
+FN float interior_ior(const_in(SceneView) scene, uint interior) {
+    return interior == NONE ? 1.0f : scene.interiors.at[interior].ior;
+}
+
+// The scattering media in force, and what merely absorbs, summed.
+const uint MAX_MEDIA = 4u;
+struct ActiveMedia {
+    uint ids[4];
+    uint count;
+    vec3 absorption;    // of media flagged MEDIUM_ABSORBS_ONLY, attenuated in closed form
+    bool homogeneous;   // all of ids: attenuation has a closed form too
+};
+
+FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
+    ActiveMedia m;
+    for (uint i = 0u; i < MAX_MEDIA; ++i) m.ids[i] = NONE;
+    m.count = 0u;
+    m.absorption = vec3(0.0f);
+    m.homogeneous = true;
+    if (list.count == 0u) return m;
+    uint winner = inside_dielectric(scene, list);
+    bool winner_taken = false;
+    for (uint i = 0u; i < list.count; ++i) {
+        uint entry = list.entries[i];
+        Interior interior = scene.interiors.at[entry];
+        if (interior.medium == NONE) continue;
+        if (interior.ior > 0.0f) {
+            if (entry != winner || winner_taken) continue;
+            winner_taken = true;
+        }
+        Medium medium = scene.media.at[interior.medium];
+        if ((medium.flags & MEDIUM_ABSORBS_ONLY) != 0u) {
+            m.absorption += medium.absorption;
+        } else if (m.count < MAX_MEDIA) {
+            m.ids[m.count] = interior.medium;
+            m.count += 1u;
+            if (medium.grid != NONE) m.homogeneous = false;
+        }
+    }
+    return m;
+}
+
+KERNELS_END
+#endif

@@ -1,0 +1,168 @@
+#ifndef SPINEL_KERNELS_LIGHT_H
+#define SPINEL_KERNELS_LIGHT_H
+// Next-event estimation: one light is picked by the alias table in proportion to its power, then a point on it.
+// Every density is over solid angle at the receiver [1/sr], the light's own probability included.
+#include "environment.h"
+#include "frame.h"
+#include "texture.h"
+#include "warp.h"
+KERNELS_BEGIN
+
+struct LightSample {
+    vec3 direction;  // unit, from the receiver
+    float distance;  // INFINITE for light from infinity
+    vec3 radiance;   // incident; of delta lights everything but the cosine
+    float pdf;       // 0: nothing arrives; of delta lights the probability of the light alone
+    bool delta;
+};
+
+FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv) {
+    vec3 e = scene.materials.at[material].emission;
+    uint t = scene.materials.at[material].emission_texture;
+    if (t != NONE) {
+        vec4 texel = texture_at(scene, t, uv);
+        e *= vec3(texel.x, texel.y, texel.z);
+    }
+    return e;
+}
+
+FN vec3 light_emission(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
+    if (light.material == NONE) return light.radiance;
+    vec2 uv = b;
+    if (light.kind == LIGHT_TRIANGLE && scene.materials.at[light.material].emission_texture != NONE) {
+        Mesh mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
+        uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
+        uv = (1.0f - b.x - b.y) * scene.attributes.at[mesh.vertex_first + v.x].uv +
+             b.x * scene.attributes.at[mesh.vertex_first + v.y].uv + b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
+    }
+    return material_emission(scene, light.material, uv);
+}
+
+// 1 − cos of the half-angle under which a sphere is seen; stable for small and distant spheres.
+FN float sphere_one_minus_cos(float radius, float distance_squared) {
+    float sin2 = radius * radius / distance_squared;
+    return sin2 < 1.0e-4f ? 0.5f * sin2 : 1.0f - safe_sqrt(1.0f - sin2);
+}
+
+FN float disc_one_minus_cos(float angle) { return 2.0f * sqr(sin(0.5f * angle)); }
+
+// A direction within a cone about the unit vector `axis`, uniform over solid angle.
+FN vec3 cone_direction(vec3 axis, float one_minus_cos, vec2 u) {
+    return normalize(to_world(make_frame(axis), square_to_cone(u, one_minus_cos)));
+}
+
+FN LightSample no_light() { return LightSample(vec3(0.0f, 1.0f, 0.0f), 0.0f, vec3(0.0f), 0.0f, false); }
+
+FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from, vec2 u) {
+    Light light = scene.lights.at[index];
+    float p = scene.light_table.at[index].probability;
+    if (light.kind == LIGHT_ENVIRONMENT) {
+        vec3 d = environment_sample(scene, u);
+        return LightSample(d, INFINITE, environment_radiance(scene, d), p * environment_pdf(scene, d), false);
+    }
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        vec3 axis = -light.direction;
+        if (light.radius == 0.0f) return LightSample(axis, INFINITE, light.radiance, p, true);
+        float k = disc_one_minus_cos(light.radius);
+        return LightSample(cone_direction(axis, k, u), INFINITE, light.radiance, p / (2.0f * PI * k), false);
+    }
+    if (light.kind == LIGHT_POINT || light.kind == LIGHT_SPOT) {
+        vec3 to = light.position - from;
+        float d2 = dot(to, to);
+        if (!(d2 > 0.0f)) return no_light();
+        float d = sqrt(d2);
+        vec3 direction = to / d;
+        vec3 radiance = light.radiance / d2;
+        if (light.kind == LIGHT_SPOT)
+            radiance *= smoothstep(light.cos_outer, light.cos_inner, -dot(direction, light.direction));
+        return LightSample(direction, d, radiance, is_black(radiance) ? 0.0f : p, true);
+    }
+    if (light.kind == LIGHT_SPHERE) {
+        vec3 to = light.position - from;
+        float d2 = dot(to, to);
+        vec3 radiance = light_emission(scene, light, vec2(0.0f));
+        if (d2 <= sqr(light.radius) * 1.00001f) {  // from inside: uniform over the surface
+            if (light.two_sided == 0u) return no_light();
+            vec3 n = square_to_sphere(u);
+            vec3 v = to + light.radius * n;
+            float l2 = dot(v, v);
+            if (!(l2 > 0.0f)) return no_light();
+            vec3 direction = v / sqrt(l2);
+            float cosine = abs(dot(direction, n));
+            if (cosine <= 0.0f) return no_light();
+            return LightSample(direction, sqrt(l2), radiance, p * l2 / (cosine * light.area), false);
+        }
+        float k = sphere_one_minus_cos(light.radius, d2);
+        vec3 direction = cone_direction(to / sqrt(d2), k, u);
+        // The near intersection of that direction with the sphere.
+        float b = dot(to, direction);
+        float disc = sqr(light.radius) - max(d2 - b * b, 0.0f);
+        return LightSample(direction, b - safe_sqrt(disc), radiance, p / (2.0f * PI * k), false);
+    }
+    // Flat emitters, uniform over the area.
+    vec2 b = light.kind == LIGHT_TRIANGLE ? square_to_triangle(u) : u;
+    vec3 to = light.position + b.x * light.u + b.y * light.v - from;
+    float d2 = dot(to, to);
+    if (!(d2 > 0.0f)) return no_light();
+    float d = sqrt(d2);
+    vec3 direction = to / d;
+    float cosine = -dot(direction, light.direction);
+    if (light.two_sided != 0u) cosine = abs(cosine);
+    if (!(cosine > 1.0e-6f)) return no_light();
+    return LightSample(direction, d, light_emission(scene, light, b), p * d2 / (cosine * light.area), false);
+}
+
+FN LightSample sample_light(const_in(SceneView) scene, vec3 from, float u_light, vec2 u) {
+    if (scene.light_count == 0u) return no_light();
+    float x = u_light * float(scene.light_count);
+    uint index = min(uint(x), scene.light_count - 1u);
+    AliasEntry entry = scene.light_table.at[index];
+    if (x - float(index) >= entry.threshold) index = entry.alias;
+    return sample_one_light(scene, index, from, u);
+}
+
+// The light of an instance's emitting primitive; NONE if next-event estimation never chooses it. Lights of an instance
+// are sorted by primitive.
+FN uint light_of_primitive(const_in(SceneView) scene, const_in(Instance) instance, uint key) {
+    if (instance.light_first == NONE || instance.light_count == 0u) return NONE;
+    uint lo = 0u;
+    uint hi = instance.light_count;
+    while (hi - lo > 1u) {  // ends: the interval halves
+        uint mid = (lo + hi) / 2u;
+        if (scene.lights.at[instance.light_first + mid].primitive <= key) lo = mid;
+        else hi = mid;
+    }
+    uint index = instance.light_first + lo;
+    return scene.lights.at[index].primitive == key ? index : NONE;
+}
+
+// Density with which sample_light(from) would have found a point of an emissive surface, `distance` along `direction`.
+FN float light_pdf(const_in(SceneView) scene, uint index, vec3 from, vec3 direction, float distance) {
+    if (index == NONE) return 0.0f;
+    Light light = scene.lights.at[index];
+    float p = scene.light_table.at[index].probability;
+    if (light.kind == LIGHT_SPHERE) {
+        vec3 to = light.position - from;
+        float d2 = dot(to, to);
+        if (d2 <= sqr(light.radius) * 1.00001f) {
+            if (light.two_sided == 0u) return 0.0f;
+            vec3 n = (distance * direction - to) / light.radius;
+            return p * sqr(distance) / max(abs(dot(direction, n)) * light.area, 1.0e-20f);
+        }
+        return p / (2.0f * PI * sphere_one_minus_cos(light.radius, d2));
+    }
+    float cosine = -dot(direction, light.direction);
+    if (light.two_sided != 0u) cosine = abs(cosine);
+    if (!(cosine > 1.0e-6f)) return 0.0f;
+    return p * sqr(distance) / (cosine * light.area);
+}
+
+// Whether a direction meets the disc of a directional light.
+FN bool directional_seen(const_in(Light) light, vec3 direction) {
+    vec3 axis = -light.direction;
+    vec3 difference = direction - axis;  // chord: stable for small angles
+    return light.radius > 0.0f && dot(difference, difference) <= 2.0f * disc_one_minus_cos(light.radius);
+}
+
+KERNELS_END
+#endif

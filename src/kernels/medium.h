@@ -1,0 +1,327 @@
+#ifndef SPINEL_KERNELS_MEDIUM_H
+#define SPINEL_KERNELS_MEDIUM_H
+// Light in participating media: free flight by null collisions against majorants, transmittance by ratio tracking, and
+// the bookkeeping of spectral multiple importance sampling over the three colour channels.
+//
+//   Novák, Selle, Jarosz, "Residual Ratio Tracking for Estimating Attenuation in Participating Media", 2014
+//   Kutz, Habel, Li, Novák, "Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes", 2017
+//   Miller, Georgiev, Jarosz, "A Null-Scattering Path Integral Formulation of Light Transport", 2019
+//
+// A path picks one hero channel, whose extinction drives every random distance. Throughput and the path densities of all
+// three channels are kept relative to the hero's density:
+//   throughput  f_i / p_hero          radiance carried by channel i
+//   r_path      p_i / p_hero          density, had channel i been the hero
+//   r_light     the same for the path whose last vertex was chosen by light sampling
+// A contribution is throughput·Le / mean(r_path + r_light): the balance heuristic over channels and strategies.
+#include "density.h"
+#include "interior.h"
+#include "random.h"
+KERNELS_BEGIN
+
+struct SpectralWeights {
+    vec3 throughput;
+    vec3 r_path;
+    vec3 r_light;
+    uint hero;  // 0, 1, 2
+};
+
+const uint MAX_MEDIUM_STEPS = 1u << 20u;  // of one segment: majorant cells and collisions
+
+// Walks the coarse majorant cells of one medium along a ray by 3D-DDA (Amanatides and Woo 1987); t in world units.
+struct MajorantWalk {
+    float majorant;  // bound of the density from the current t to t_next
+    float t_next;
+    float t_leave;   // of the grid's box
+    vec3 t_cross;    // where the next cell boundary lies on each axis
+    vec3 t_delta;
+    ivec3 cell;
+    ivec3 step;
+    bool before_grid;  // still in the empty space in front of it
+};
+
+FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid, inout(MajorantWalk) w) {
+    uint index = uint(w.cell.x) + uint(grid.majorant_size.x) * (uint(w.cell.y) + uint(grid.majorant_size.y) * uint(w.cell.z));
+    w.majorant = scene.floats.at[grid.majorant_first + index] * m.density_bound;
+    w.t_next = min(min(w.t_cross.x, min(w.t_cross.y, w.t_cross.z)), w.t_leave);
+}
+
+FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, vec3 origin, vec3 direction, float t_max) {
+    MajorantWalk w = MajorantWalk(1.0f, t_max, t_max, vec3(t_max), vec3(0.0f), ivec3(0), ivec3(0), false);
+    if (m.grid == NONE) return w;
+    DensityGrid grid = scene.grids.at[m.grid];
+    vec3 o = m.world_to_grid * vec4(origin, 1.0f);
+    vec3 d = m.world_to_grid * vec4(direction, 0.0f);
+    float t0 = 0.0f;
+    float t1 = t_max;
+    for (int a = 0; a < 3; ++a) {
+        float extent = float(grid.size[a]);
+        if (d[a] == 0.0f) {
+            if (o[a] < 0.0f || o[a] >= extent) t1 = -1.0f;
+        } else {
+            float near_t = (0.0f - o[a]) / d[a];
+            float far_t = (extent - o[a]) / d[a];
+            t0 = max(t0, min(near_t, far_t));
+            t1 = min(t1, max(near_t, far_t));
+        }
+    }
+    if (!(t0 < t1)) {
+        w.majorant = 0.0f;
+        w.t_leave = -1.0f;
+        return w;
+    }
+    w.t_leave = t1;
+    float edge = float(grid.majorant_cell);
+    vec3 p = o + t0 * d;
+    for (int a = 0; a < 3; ++a) {
+        w.cell[a] = clamp(int(floor(p[a] / edge)), 0, grid.majorant_size[a] - 1);
+        if (d[a] > 0.0f) {
+            w.step[a] = 1;
+            w.t_cross[a] = (float(w.cell[a] + 1) * edge - o[a]) / d[a];
+            w.t_delta[a] = edge / d[a];
+        } else if (d[a] < 0.0f) {
+            w.step[a] = -1;
+            w.t_cross[a] = (float(w.cell[a]) * edge - o[a]) / d[a];
+            w.t_delta[a] = -edge / d[a];
+        } else {
+            w.step[a] = 0;
+            w.t_cross[a] = INFINITE;
+            w.t_delta[a] = 0.0f;
+        }
+    }
+    if (t0 > 0.0f) {  // empty space in front of the grid is a cell of its own
+        w.majorant = 0.0f;
+        w.t_next = t0;
+        w.before_grid = true;
+        return w;
+    }
+    majorant_load(scene, m, grid, w);
+    return w;
+}
+
+FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_max, inout(MajorantWalk) w) {
+    if (m.grid == NONE || w.t_next >= w.t_leave) {  // behind the grid
+        w.majorant = m.grid == NONE ? 1.0f : 0.0f;
+        w.t_next = t_max;
+        w.t_leave = -1.0f;
+        return;
+    }
+    DensityGrid grid = scene.grids.at[m.grid];
+    if (w.before_grid) {
+        w.before_grid = false;
+    } else if (w.t_cross.x <= w.t_cross.y && w.t_cross.x <= w.t_cross.z) {
+        w.cell.x += w.step.x;
+        w.t_cross.x += w.t_delta.x;
+    } else if (w.t_cross.y <= w.t_cross.z) {
+        w.cell.y += w.step.y;
+        w.t_cross.y += w.t_delta.y;
+    } else {
+        w.cell.z += w.step.z;
+        w.t_cross.z += w.t_delta.z;
+    }
+    if (w.cell.x < 0 || w.cell.y < 0 || w.cell.z < 0 || w.cell.x >= grid.majorant_size.x ||
+        w.cell.y >= grid.majorant_size.y || w.cell.z >= grid.majorant_size.z) {
+        w.majorant = 0.0f;
+        w.t_next = t_max;
+        w.t_leave = -1.0f;
+        return;
+    }
+    majorant_load(scene, m, grid, w);
+}
+
+// All active media side by side: from t to t_next their extinction is bounded by `majorant`.
+struct MediaWalk {
+    MajorantWalk walks[4];
+    vec3 majorant;
+    float t;
+    float t_next;
+};
+
+FN void media_walk_bound(const_in(SceneView) scene, const_in(ActiveMedia) media, float t_max, inout(MediaWalk) w) {
+    w.majorant = vec3(0.0f);
+    w.t_next = t_max;
+    for (uint i = 0u; i < media.count; ++i) {
+        Medium m = scene.media.at[media.ids[i]];
+        w.majorant += w.walks[i].majorant * (m.scattering + m.absorption);
+        w.t_next = min(w.t_next, w.walks[i].t_next);
+    }
+}
+
+FN MediaWalk media_walk_begin(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max) {
+    MediaWalk w;
+    w.t = 0.0f;
+    for (uint i = 0u; i < media.count; ++i)
+        w.walks[i] = majorant_begin(scene, scene.media.at[media.ids[i]], origin, direction, t_max);
+    media_walk_bound(scene, media, t_max, w);
+    return w;
+}
+
+FN void media_walk_advance(const_in(SceneView) scene, const_in(ActiveMedia) media, float t_max, inout(MediaWalk) w) {
+    w.t = w.t_next;
+    for (uint i = 0u; i < media.count; ++i)
+        if (w.walks[i].t_next <= w.t) majorant_advance(scene, scene.media.at[media.ids[i]], t_max, w.walks[i]);
+    media_walk_bound(scene, media, t_max, w);
+}
+
+// What is at a point: coefficients summed over the overlapping media.
+struct MediumPoint {
+    vec3 scattering;
+    vec3 absorption;
+    vec3 emission;
+};
+
+FN MediumPoint media_at(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p) {
+    MediumPoint point = MediumPoint(vec3(0.0f), vec3(0.0f), vec3(0.0f));
+    for (uint i = 0u; i < media.count; ++i) {
+        Medium m = scene.media.at[media.ids[i]];
+        float density = medium_density(scene, m, p);
+        point.scattering += density * m.scattering;
+        point.absorption += density * m.absorption;
+        point.emission += density * m.emission;
+    }
+    return point;
+}
+
+// One of the overlapping media, in proportion to its share of the scattering at p, whose phase function then applies.
+FN uint pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p, float u) {
+    if (media.count == 1u) return media.ids[0];
+    float total = 0.0f;
+    for (uint i = 0u; i < media.count; ++i) {
+        Medium m = scene.media.at[media.ids[i]];
+        total += medium_density(scene, m, p) * average(m.scattering);
+    }
+    float remaining = u * total;
+    uint chosen = media.ids[media.count - 1u];
+    for (uint i = 0u; i < media.count; ++i) {
+        Medium m = scene.media.at[media.ids[i]];
+        remaining -= medium_density(scene, m, p) * average(m.scattering);
+        if (remaining < 0.0f) return media.ids[i];
+    }
+    return chosen;
+}
+
+struct MediumEvent {
+    bool scattered;  // a real collision before t_max
+    float t;
+    uint medium;     // whose phase function applies
+    vec3 emitted;    // radiance gathered on the way, weighted
+};
+
+// Follows the segment (0, t_max) of a ray with unit direction: the first real collision, or passage. Weights are updated
+// for either; a collision multiplies by σs, so that absorption never ends a path by chance.
+FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
+                            inout(SpectralWeights) w, inout(Rng) rng) {
+    MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f));
+    if (media.count == 0u) {
+        if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
+        return event;
+    }
+    MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
+    float t = 0.0f;
+    for (uint iteration = 0u; iteration < MAX_MEDIUM_STEPS; ++iteration) {
+        float bound = component(walk.majorant, w.hero);
+        float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
+        if (!(t + step < walk.t_next)) {  // no collision up to the end of the cell
+            if (walk.t_next > t && !is_black(walk.majorant)) {
+                vec3 transmittance = exp(-walk.majorant * (walk.t_next - t));
+                float p = component(transmittance, w.hero);
+                w.throughput *= transmittance / p;
+                w.r_path *= transmittance / p;
+                w.r_light *= (media.homogeneous ? vec3(1.0f) : transmittance) / p;
+            }
+            t = walk.t_next;
+            if (t >= t_max) break;
+            media_walk_advance(scene, media, t_max, walk);
+            continue;
+        }
+        t += step;
+        vec3 transmittance = exp(-walk.majorant * step);
+        vec3 position = origin + t * direction;
+        MediumPoint point = media_at(scene, media, position);
+        vec3 extinction = min(point.scattering + point.absorption, walk.majorant);
+        float p_any = component(transmittance, w.hero) * bound;
+        if (!is_black(point.emission)) {
+            vec3 r = w.r_path * walk.majorant * transmittance / p_any;
+            event.emitted += w.throughput * exp(-media.absorption * t) * transmittance / p_any * point.emission / average(r);
+        }
+        float p_real = component(extinction, w.hero) / bound;
+        if (rng_1d(rng) < p_real) {
+            float p = p_any * p_real;
+            w.throughput *= transmittance * point.scattering / p;
+            w.r_path *= transmittance * extinction / p;
+            event.scattered = true;
+            event.t = t;
+            event.medium = pick_scattering_medium(scene, media, position, rng_1d(rng));
+            break;
+        }
+        vec3 null_collision = walk.majorant - extinction;
+        float p = p_any - component(transmittance, w.hero) * component(extinction, w.hero);
+        if (!(p > 0.0f)) {
+            w.throughput = vec3(0.0f);
+            break;
+        }
+        w.throughput *= transmittance * null_collision / p;
+        w.r_path *= transmittance * null_collision / p;
+        w.r_light *= transmittance * walk.majorant / p;
+    }
+    if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * event.t);
+    return event;
+}
+
+// Transmittance of the segment (0, t_max) for a shadow ray: throughput is multiplied by it, r_path by the density with
+// which a free flight would have passed, r_light by that of this very estimate. Begin with all weights 1.
+FN void attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
+                  inout(SpectralWeights) w, inout(Rng) rng) {
+    if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
+    if (media.count == 0u) return;
+    if (media.homogeneous) {
+        vec3 extinction = vec3(0.0f);
+        for (uint i = 0u; i < media.count; ++i) {
+            Medium m = scene.media.at[media.ids[i]];
+            extinction += m.scattering + m.absorption;
+        }
+        vec3 transmittance = exp(-extinction * t_max);
+        w.throughput *= transmittance;
+        w.r_path *= transmittance;
+        return;
+    }
+    MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
+    float t = 0.0f;
+    for (uint iteration = 0u; iteration < MAX_MEDIUM_STEPS; ++iteration) {
+        float bound = component(walk.majorant, w.hero);
+        float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
+        if (!(t + step < walk.t_next)) {
+            if (walk.t_next > t && !is_black(walk.majorant)) {
+                vec3 transmittance = exp(-walk.majorant * (walk.t_next - t));
+                float p = component(transmittance, w.hero);
+                w.throughput *= transmittance / p;
+                w.r_path *= transmittance / p;
+                w.r_light *= transmittance / p;
+            }
+            t = walk.t_next;
+            if (t >= t_max) return;
+            media_walk_advance(scene, media, t_max, walk);
+            continue;
+        }
+        t += step;
+        vec3 transmittance = exp(-walk.majorant * step);
+        MediumPoint point = media_at(scene, media, origin + t * direction);
+        vec3 null_collision = max(walk.majorant - point.scattering - point.absorption, vec3(0.0f));
+        float p = component(transmittance, w.hero) * bound;
+        w.throughput *= transmittance * null_collision / p;
+        w.r_path *= transmittance * null_collision / p;
+        w.r_light *= transmittance * walk.majorant / p;
+        if (is_black(w.throughput)) return;
+        // Russian roulette on what is left keeps dense clouds cheap.
+        float left = max_component(w.throughput) / average(w.r_path + w.r_light);
+        if (left < 0.05f) {
+            if (rng_1d(rng) < 0.75f) {
+                w.throughput = vec3(0.0f);
+                return;
+            }
+            w.throughput *= 4.0f;
+        }
+    }
+}
+
+KERNELS_END
+#endif

@@ -1,0 +1,345 @@
+#ifndef SPINEL_KERNELS_PATH_H
+#define SPINEL_KERNELS_PATH_H
+// The path tracer as a state machine. A device may run its four stages as one kernel (trace_path below) or as separate
+// kernels over queues of states:
+//
+//   path_generate   a camera ray
+//   path_extend     the nearest hit along it
+//   path_shade      medium or surface: emission, next-event estimation (asks for a Connection), a new direction
+//   path_connect    the shadow ray, through media and past interfaces
+//
+// Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997, balance heuristic
+// in the one-sample form of Miller, Georgiev, Jarosz 2019 so that volumes and colour channels join in; see medium.h).
+#include "camera.h"
+#include "device.h"
+#include "medium.h"
+#include "phase.h"
+#include "surface.h"
+KERNELS_BEGIN
+
+struct PathSettings {
+    uint seed;
+    int max_bounces;        // scattering events; −1: no limit
+    int roulette_start;     // first bounce that Russian roulette may end
+};
+
+const uint MAX_PATH_SEGMENTS = 65536u;   // bounces and crossed interfaces of one path: a safety bound, counted
+const uint MAX_SHADOW_SEGMENTS = 4096u;  // interfaces crossed by one shadow ray
+
+const uint PATH_ALIVE = 1u;
+const uint PATH_SPECULAR = 2u;     // the last scattering was a delta: light sampling could not have made it
+const uint PATH_FIRST_SEEN = 4u;   // AOVs are recorded
+const uint PATH_BOUND_REACHED = 8u;
+
+// What the first surface shows, for the auxiliary outputs.
+struct FirstHit {
+    vec3 normal;
+    float depth;   // along the ray; 0: nothing was hit
+    vec3 albedo;
+    uint object;   // NONE: nothing was hit
+};
+
+struct PathState {
+    Ray ray;
+    SpectralWeights weights;
+    vec3 radiance;       // gathered
+    vec3 vertex;         // last scattering point: light sampling's receiver
+    float eta_scale;     // undoes the scaling of radiance by refraction for Russian roulette
+    int bounces;
+    uint segments;
+    uint flags;
+    Inside inside;
+    Sampler sampler;
+    Rng rng;             // for loops without a bound on their draws
+    FirstHit first;
+};
+
+// A shadow ray that was asked for; value is what it carries if nothing is in the way.
+struct Connection {
+    bool valid;
+    vec3 origin;
+    vec3 direction;
+    float distance;
+    vec3 value;     // throughput · scattering · radiance
+    vec3 r_path;    // relative densities, see medium.h
+    vec3 r_light;
+    Inside inside;
+};
+
+FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
+    PathState state;
+    state.sampler = make_sampler(pixel, index, settings.seed);
+    vec2 u_film = sampler_2d(state.sampler);
+    vec2 u_lens = sampler_2d(state.sampler);
+    float u_hero = sampler_1d(state.sampler);
+    state.ray = camera_ray(scene.camera, pixel, u_film, u_lens);
+    state.weights = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), min(uint(u_hero * 3.0f), 2u));
+    state.radiance = vec3(0.0f);
+    state.vertex = state.ray.origin;
+    state.eta_scale = 1.0f;
+    state.bounces = 0;
+    state.segments = 0u;
+    state.flags = PATH_ALIVE | PATH_SPECULAR;
+    state.inside = inside_nothing();
+    for (uint i = 0u; i < scene.camera_inside_count; ++i)
+        inside_enter(state.inside, scene.words.at[scene.camera_inside_first + i]);
+    state.rng = make_rng(state.sampler, 0u);
+    state.first = FirstHit(vec3(0.0f), 0.0f, vec3(0.0f), NONE);
+    return state;
+}
+
+FN Hit path_extend(const_in(SceneView) scene, const_in(PathState) state) { return trace_closest(scene, state.ray, TRACE_ALL); }
+
+FN void path_end(inout(PathState) state) { state.flags &= ~PATH_ALIVE; }
+
+// Emission found by following the path: `pdf` is the density with which light sampling would have found it.
+FN void gather(inout(PathState) state, vec3 radiance, float pdf) {
+    if (is_black(radiance)) return;
+    vec3 densities = state.weights.r_path;
+    if ((state.flags & PATH_SPECULAR) == 0u) densities += state.weights.r_light * pdf;
+    float density = average(densities);
+    if (density > 0.0f) state.radiance += state.weights.throughput * radiance / density;
+}
+
+FN void gather_infinite(const_in(SceneView) scene, inout(PathState) state) {
+    vec3 d = state.ray.direction;
+    float p = scene.environment.light == NONE ? 0.0f : scene.light_table.at[scene.environment.light].probability;
+    gather(state, environment_radiance(scene, d), p > 0.0f ? p * environment_pdf(scene, d) : 0.0f);
+    for (uint i = 0u; i < scene.infinite_light_count; ++i) {
+        Light light = scene.lights.at[i];
+        if (light.kind == LIGHT_DIRECTIONAL && directional_seen(light, d))
+            gather(state, light.radiance, scene.light_table.at[i].probability / (2.0f * PI * disc_one_minus_cos(light.radius)));
+    }
+}
+
+FN Connection no_connection(const_in(PathState) state) {
+    return Connection(false, vec3(0.0f), vec3(0.0f), 0.0f, vec3(0.0f), vec3(0.0f), vec3(0.0f), state.inside);
+}
+
+// Asks for a shadow ray; scatter is f·|cos| or the phase function, pdf the density of its own sampling of that direction.
+FN Connection connection_to(const_in(PathState) state, const_in(LightSample) light, vec3 origin, vec3 scatter, float pdf) {
+    Connection c = no_connection(state);
+    c.valid = !is_black(scatter) && !is_black(light.radiance);
+    c.origin = origin;
+    c.direction = light.direction;
+    c.distance = light.distance == INFINITE ? INFINITE : light.distance * 0.9999f;
+    c.value = state.weights.throughput * scatter * light.radiance;
+    c.r_light = state.weights.r_path * light.pdf;
+    c.r_path = light.delta ? vec3(0.0f) : state.weights.r_path * pdf;
+    return c;
+}
+
+// Ends paths that carry little, by what they can still add in the brightest channel; unbiased.
+FN void russian_roulette(const_in(PathSettings) settings, inout(PathState) state) {
+    if (state.bounces < settings.roulette_start) return;
+    float carried = max_component(state.weights.throughput) * state.eta_scale / average(state.weights.r_path);
+    if (!(carried < 1.0f)) return;
+    float survive = max(carried, 0.02f);
+    if (sampler_1d(state.sampler) >= survive) path_end(state);
+    else state.weights.throughput /= survive;
+}
+
+// Counts a scattering event. False: that was one too many.
+FN bool next_bounce(const_in(PathSettings) settings, inout(PathState) state) {
+    if (settings.max_bounces >= 0 && state.bounces >= settings.max_bounces) {
+        path_end(state);
+        return false;
+    }
+    state.bounces += 1;
+    return true;
+}
+
+FN Connection scatter_in_medium(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
+                                const_in(MediumEvent) event) {
+    Connection c = no_connection(state);
+    if (!next_bounce(settings, state)) return c;
+    vec3 p = ray_at(state.ray, event.t);
+    vec3 d = state.ray.direction;
+    float g = scene.media.at[event.medium].g;
+    float u_light = sampler_1d(state.sampler);
+    vec2 u_point = sampler_2d(state.sampler);
+    vec2 u_phase = sampler_2d(state.sampler);
+    LightSample light = sample_light(scene, p, u_light, u_point);
+    if (light.pdf > 0.0f) {
+        float phase = phase_eval(g, dot(d, light.direction));
+        c = connection_to(state, light, p, vec3(phase), phase);
+    }
+    vec3 next = phase_sample(g, d, u_phase);
+    state.weights.r_light = state.weights.r_path / phase_eval(g, dot(d, next));
+    state.ray = Ray(p, 0.0f, next, INFINITE);
+    state.vertex = p;
+    state.flags &= ~PATH_SPECULAR;
+    russian_roulette(settings, state);
+    return c;
+}
+
+// Goes on behind a surface that does not scatter.
+FN void cross_surface(const_in(SceneView) scene, const_in(Surface) s, inout(PathState) state) {
+    state.ray = Ray(leave_surface(scene, s, state.ray.direction), 0.0f, state.ray.direction, INFINITE);
+}
+
+FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, const_in(Hit) hit) {
+    Connection c = no_connection(state);
+    state.segments += 1u;
+    if (state.segments >= MAX_PATH_SEGMENTS) {
+        state.flags |= PATH_BOUND_REACHED;
+        path_end(state);
+        return c;
+    }
+    if (state.inside.count > 0u) {
+        ActiveMedia media = active_media(scene, state.inside);
+        if (media.count > 0u || !is_black(media.absorption)) {
+            MediumEvent event = sample_media(scene, media, state.ray.origin, state.ray.direction, is_hit(hit) ? hit.t : INFINITE,
+                                             state.weights, state.rng);
+            state.radiance += event.emitted;
+            if (is_black(state.weights.throughput)) {
+                path_end(state);
+                return c;
+            }
+            if (event.scattered) return scatter_in_medium(scene, settings, state, event);
+        }
+    }
+    if (!is_hit(hit)) {
+        gather_infinite(scene, state);
+        path_end(state);
+        return c;
+    }
+    Surface s = surface_at(scene, state.ray, hit);
+    float opacity = surface_opacity(scene, s);
+    if (s.material != NONE && opacity < 1.0f && rng_1d(state.rng) >= opacity) {
+        state.weights.r_light /= 1.0f - opacity;  // a shadow ray multiplies by this instead of trying its luck
+        cross_surface(scene, s, state);
+        return c;
+    }
+    // Interiors before and after. A surface that is left but was never entered (an open mesh seen from behind) is taken as
+    // if it had been.
+    Inside before = state.inside;
+    if (s.leaves != NONE && !inside_contains(before, s.leaves)) inside_enter(before, s.leaves);
+    Inside after = before;
+    inside_leave(after, s.leaves);
+    inside_enter(after, s.enters);
+    if (s.material == NONE) {
+        state.inside = after;
+        cross_surface(scene, s, state);
+        return c;
+    }
+    float n_ratio = 1.0f;
+    bool refracts = s.leaves != NONE || s.enters != NONE;
+    if (refracts) {
+        uint from = inside_dielectric(scene, before);
+        uint to = inside_dielectric(scene, after);
+        if (from == to && scene.materials.at[s.material].kind == MATERIAL_DIELECTRIC) {  // hidden in a dielectric of higher priority
+            state.inside = after;
+            state.flags |= PATH_SPECULAR;  // shadow rays stop at dielectrics, hidden or not
+            cross_surface(scene, s, state);
+            return c;
+        }
+        n_ratio = interior_ior(scene, to) / interior_ior(scene, from);
+    }
+
+    vec3 wo = -state.ray.direction;
+    uint light_index = light_of_primitive(scene, scene.instances.at[s.instance], s.light_key);
+    vec3 emission = surface_emission(scene, s);
+    if (!is_black(emission)) gather(state, emission, light_pdf(scene, light_index, state.vertex, state.ray.direction, distance(state.vertex, s.position)));
+
+    Frame frame = shading_frame(scene, s, wo);
+    Bsdf bsdf = surface_bsdf(scene, s, n_ratio);
+    vec3 wo_local = to_local(frame, wo);
+    if ((state.flags & PATH_FIRST_SEEN) == 0u) {
+        state.flags |= PATH_FIRST_SEEN;
+        state.first = FirstHit(frame.z, distance(state.vertex, s.position), bsdf_albedo(bsdf, wo_local), scene.instances.at[s.instance].object);
+    }
+    if (!next_bounce(settings, state)) return c;
+
+    float wo_side = dot(wo, s.geometric_normal);
+    float u_light = sampler_1d(state.sampler);
+    vec2 u_point = sampler_2d(state.sampler);
+    float u_lobe = sampler_1d(state.sampler);
+    vec2 u_bsdf = sampler_2d(state.sampler);
+    if (!bsdf_is_delta(bsdf)) {
+        LightSample light = sample_light(scene, s.position, u_light, u_point);
+        if (light.pdf > 0.0f) {
+            vec3 wi = to_local(frame, light.direction);
+            // Shading and geometric normal must agree on which side the light is.
+            if ((wi.z > 0.0f) == (dot(light.direction, s.geometric_normal) * wo_side > 0.0f)) {
+                vec3 f = bsdf_eval(bsdf, wo_local, wi);
+                if (!is_black(f)) {
+                    c = connection_to(state, light, leave_surface(scene, s, light.direction), f, bsdf_pdf(bsdf, wo_local, wi));
+                    if (wi.z < 0.0f) c.inside = after;
+                }
+            }
+        }
+    }
+    BsdfSample next = bsdf_sample(bsdf, wo_local, u_lobe, u_bsdf);
+    vec3 direction = to_world(frame, next.direction);
+    if ((next.flags & LOBE_FAILED) != 0u || is_black(next.weight) ||
+        (next.direction.z > 0.0f) != (dot(direction, s.geometric_normal) * wo_side > 0.0f)) {
+        path_end(state);
+        return c;
+    }
+    direction = normalize(direction);
+    state.weights.throughput *= next.weight;
+    if ((next.flags & LOBE_DELTA) != 0u) {
+        state.flags |= PATH_SPECULAR;
+    } else {
+        state.flags &= ~PATH_SPECULAR;
+        state.weights.r_light = state.weights.r_path / next.pdf;
+    }
+    if ((next.flags & LOBE_TRANSMISSION) != 0u) {
+        state.inside = after;
+        state.eta_scale *= n_ratio * n_ratio;
+    }
+    state.ray = Ray(leave_surface(scene, s, direction), 0.0f, direction, INFINITE);
+    state.vertex = s.position;
+    russian_roulette(settings, state);
+    return c;
+}
+
+// What a connection brings home.
+FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, const_in(Connection) c) {
+    if (!c.valid) return vec3(0.0f);
+    if (trace_occluded(scene, Ray(c.origin, 0.0f, c.direction, c.distance))) return vec3(0.0f);
+    SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), state.weights.hero);
+    if (c.inside.count > 0u || scene.pass_through_count > 0u) {
+        Inside inside = c.inside;
+        vec3 origin = c.origin;
+        float left = c.distance;
+        for (uint i = 0u; i < MAX_SHADOW_SEGMENTS; ++i) {
+            Hit hit = no_hit(left);
+            if (scene.pass_through_count > 0u) hit = trace_closest(scene, Ray(origin, 0.0f, c.direction, left), TRACE_PASS_THROUGH);
+            if (inside.count > 0u) attenuate(scene, active_media(scene, inside), origin, c.direction, is_hit(hit) ? hit.t : left, w, state.rng);
+            if (is_black(w.throughput)) return vec3(0.0f);
+            if (!is_hit(hit)) break;
+            Surface s = surface_at(scene, Ray(origin, 0.0f, c.direction, left), hit);
+            if (s.material == NONE) {
+                inside_leave(inside, s.leaves);
+                inside_enter(inside, s.enters);
+            } else {
+                float clear = 1.0f - surface_opacity(scene, s);
+                if (!(clear > 0.0f)) return vec3(0.0f);
+                w.throughput *= clear;
+                w.r_path *= clear;
+            }
+            vec3 next = leave_surface(scene, s, c.direction);
+            if (left != INFINITE) left -= dot(next - origin, c.direction);
+            if (!(left > 0.0f)) break;
+            origin = next;
+        }
+    }
+    float density = average(c.r_light * w.r_light + c.r_path * w.r_path);
+    return density > 0.0f ? c.value * w.throughput / density : vec3(0.0f);
+}
+
+// One whole path.
+FN PathState trace_path(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
+    PathState state = path_generate(scene, settings, pixel, index);
+    for (uint i = 0u; i <= MAX_PATH_SEGMENTS && (state.flags & PATH_ALIVE) != 0u; ++i) {
+        Hit hit = path_extend(scene, state);
+        Connection c = path_shade(scene, settings, state, hit);
+        if (c.valid) state.radiance += path_connect(scene, state, c);
+    }
+    return state;
+}
+
+KERNELS_END
+#endif

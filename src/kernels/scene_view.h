@@ -1,0 +1,306 @@
+#ifndef SPINEL_KERNELS_SCENE_VIEW_H
+#define SPINEL_KERNELS_SCENE_VIEW_H
+// What a kernel sees of a compiled scene: flat arrays of plain records, the same bytes on every device.
+// Records refer to each other by index into the arrays of SceneView; NONE is "no such thing".
+#include "ray.h"
+KERNELS_BEGIN
+
+// ---------------------------------------------------------------------------------------------------------- geometry
+const uint GEOMETRY_MESH = 0u;
+const uint GEOMETRY_VOXELS = 1u;
+const uint GEOMETRY_SDF = 2u;
+const uint GEOMETRY_SPHERE = 3u;     // radius 1 about the origin
+const uint GEOMETRY_BOX = 4u;        // [-1, 1]³
+const uint GEOMETRY_PLANE = 5u;      // y = 0, infinite, normal +y
+const uint GEOMETRY_RECTANGLE = 6u;  // y = 0, |x| ≤ 1, |z| ≤ 1, normal +y
+
+// Binary bounding volume hierarchy. Interior (count = 0): children are nodes first and first + 1. Leaf: primitives
+// [first, first + count). Child and primitive indices are relative to the owner's base.
+struct BvhNode {
+    vec3 lower;
+    uint first;
+    vec3 upper;
+    uint count;
+};
+BUFFER(BvhNodes, BvhNode)
+
+// Vertices gathered in the order of the BVH's leaves: one indirection fewer in the loop that matters.
+struct Triangle {
+    vec3 a;
+    vec3 b;
+    vec3 c;
+};
+BUFFER(Triangles, Triangle)
+
+struct TriangleInfo {
+    uvec3 vertices;  // relative to Mesh::vertex_first
+    uint slot;       // material slot within the instance's table
+    uint primitive;  // the triangle's index in the user's mesh
+};
+BUFFER(TriangleInfos, TriangleInfo)
+
+struct VertexAttributes {
+    vec3 normal;   // zero: none given, use the geometric normal
+    vec2 uv;
+    vec4 tangent;  // xyz along +u, w the bitangent's sign; zero: none
+    vec4 color;    // linear, multiplies the base colour; w is unused
+};
+BUFFER(Attributes, VertexAttributes)
+
+struct Mesh {
+    uint node_first;
+    uint triangle_first;  // also indexes TriangleInfos
+    uint triangle_count;
+    uint vertex_first;    // into Attributes
+};
+BUFFER(Meshes, Mesh)
+
+// Voxels. Cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) and holds a palette index; 0 is empty space.
+// Palette index p uses material slot p − 1 of the instance.
+struct VoxelGrid {
+    ivec3 size;
+    uint word_first;  // four cells to a word, little end first, x fastest, then y, then z; into SceneView::words
+};
+BUFFER(VoxelGrids, VoxelGrid)
+
+// One instruction of an SDF tape; sdf.h defines the operations. Registers: points p0… and values v0….
+struct SdfOp {
+    uint op;
+    uint target;  // register written
+    uint a;       // registers read
+    uint b;
+    vec4 data0;   // constants of the operation
+    vec4 data1;
+};
+BUFFER(SdfOps, SdfOp)
+
+struct Sdf {
+    vec3 lower;       // bounds of the solid in local space
+    uint op_first;
+    vec3 upper;
+    uint op_count;
+    float lipschitz;  // |f(p) − f(q)| ≤ lipschitz·|p − q| inside the bounds: a step of |f| / lipschitz is safe
+    uint result;      // value register that holds f at the end
+};
+BUFFER(Sdfs, Sdf)
+
+// A placed geometry. Plain transforms, so that a ray is carried by two products and t keeps its meaning.
+struct Instance {
+    mat4x3 object_to_world;
+    mat4x3 world_to_object;
+    uint geometry_kind;
+    uint geometry;     // index into the kind's array
+    uint slot_first;   // into SceneView::slots
+    uint light_first;  // first light of this instance's emitters, NONE if none has a light
+    uint light_count;
+    uint flags;        // INSTANCE_…
+    uint object;       // the user's object, for AOVs
+};
+BUFFER(Instances, Instance)
+
+const uint INSTANCE_PASS_THROUGH = 1u;  // some of it does not stop a shadow ray for sure: an interface without a material, or opacity < 1
+
+// What a material slot of an instance means.
+struct Slot {
+    uint material;  // NONE: an interface that does not scatter, the boundary of a medium
+    uint interior;  // what is inside, NONE: opaque or thin
+};
+BUFFER(Slots, Slot)
+
+// ---------------------------------------------------------------------------------------------------- media, volumes
+// What lies behind a surface. A path keeps a list of those it is inside of (interior.h). Equal interiors share one index.
+struct Interior {
+    uint medium;   // NONE: clear
+    float ior;     // index of refraction; 0: not a dielectric, a mere volume whose extinction adds to what it overlaps
+    int priority;  // where dielectrics overlap, the highest priority wins
+};
+BUFFER(Interiors, Interior)
+
+const uint MEDIUM_ABSORBS_ONLY = 1u;  // homogeneous, no scattering, no emission: attenuated in closed form
+
+struct Medium {
+    vec3 scattering;      // σs per unit length at density 1
+    float g;              // Henyey–Greenstein asymmetry, −1 … 1
+    vec3 absorption;      // σa per unit length at density 1
+    uint grid;            // into SceneView::grids; NONE: density 1 everywhere
+    vec3 emission;        // radiance per unit length at density 1: the source term, not multiplied by σa
+    uint flags;
+    mat4x3 world_to_grid;  // to the grid's index space, where sample i sits at i + ½
+    uint erosion;         // noise that eats the density, 0: none (density.h)
+    float erosion_strength;
+    float erosion_frequency;  // per unit of the grid's [0,1]³ box
+    uint erosion_octaves;
+    vec3 erosion_drift;   // added to the noise coordinate
+    float density_bound;  // the erosion's factor never exceeds this
+};
+BUFFER(Media, Medium)
+
+const uint FILTER_NEAREST = 0u;
+const uint FILTER_TRILINEAR = 1u;
+
+struct DensityGrid {
+    ivec3 size;
+    uint value_first;     // into SceneView::floats, x fastest
+    ivec3 majorant_size;  // coarse cells
+    uint majorant_first;  // into SceneView::floats: for each coarse cell the greatest density a look-up inside it can give
+    uint filter_kind;     // FILTER_…
+    int majorant_cell;    // edge of a coarse cell, in samples
+};
+BUFFER(DensityGrids, DensityGrid)
+
+// ------------------------------------------------------------------------------------------------ materials, textures
+// One record serves every material; which members count depends on the kind (kernels/materials/*.h say which).
+struct Material {
+    uint kind;                // MATERIAL_… of materials.h
+    vec3 color;               // reflectance, or F0 of a metal, linear Rec.709
+    uint color_texture;       // multiplies color
+    float roughness;          // perceptual, 0 … 1: GGX α = roughness²; Oren–Nayar σ of diffuse, in radians
+    uint roughness_texture;   // channel g multiplies roughness (glTF)
+    float metallic;           // 0 … 1
+    uint metallic_texture;    // channel b multiplies metallic (glTF)
+    float ior;                // of dielectrics, coats and the dielectric part of principled
+    vec3 eta;                 // complex index of a metal: η …
+    vec3 k;                   // … and κ; all zero: the metal is given by color and edge_color
+    vec3 edge_color;          // a metal's reflectance towards grazing, 1: Schlick-like
+    vec3 absorption;          // inside a dielectric, per unit length (Beer–Lambert)
+    int priority;             // of a dielectric where solids overlap
+    uint interior;            // medium inside a dielectric: index into Scene::media; NONE: clear
+    vec3 emission;            // radiance
+    uint emission_texture;    // multiplies emission
+    uint emission_two_sided;  // 0: only the side of the outward normal emits
+    uint normal_texture;      // tangent space, NONE: none
+    float normal_scale;
+    float opacity;            // 0 … 1: chance that a ray meets the surface at all
+    uint opacity_texture;     // channel a multiplies opacity
+};
+BUFFER(Materials, Material)
+
+const uint TEXTURE_RGBA8 = 0u;    // one word a texel, r in the low byte
+const uint TEXTURE_RGBA16F = 1u;  // two words a texel, halves r,g | b,a
+const uint TEXTURE_CHECKER = 2u;  // color_a and color_b alternate over unit squares of uv·scale
+
+const uint WRAP_REPEAT = 0u;
+const uint WRAP_CLAMP = 1u;
+const uint WRAP_MIRROR = 2u;
+
+struct Texture {
+    uint kind;         // TEXTURE_…
+    uint width;
+    uint height;
+    uint word_first;   // into SceneView::words, row 0 at v = 1 (the top of the image)
+    uint srgb;         // 1: rgb is sRGB-encoded
+    uint filter_kind;  // FILTER_NEAREST or FILTER_TRILINEAR (bilinear here)
+    uint wrap;         // WRAP_…
+    vec2 scale;        // uv is multiplied by this …
+    vec2 offset;       // … then this is added
+    vec3 color_a;
+    vec3 color_b;
+};
+BUFFER(Textures, Texture)
+
+// --------------------------------------------------------------------------------------------------------------- light
+const uint LIGHT_POINT = 0u;
+const uint LIGHT_SPOT = 1u;
+const uint LIGHT_DIRECTIONAL = 2u;    // parallel light, or a disc of angular radius at infinity (the sun)
+const uint LIGHT_ENVIRONMENT = 3u;
+const uint LIGHT_TRIANGLE = 4u;       // one triangle of an emissive mesh
+const uint LIGHT_PARALLELOGRAM = 5u;  // a face of an emissive voxel or box, a rectangle
+const uint LIGHT_SPHERE = 6u;
+
+struct Light {
+    uint kind;
+    uint instance;    // of an emissive surface, else NONE
+    uint primitive;   // triangle in the BVH's order, or box face; voxels: linear cell index · 6 + face
+    uint material;    // whose emission it sends, NONE: radiance below
+    vec3 position;    // point, spot; a corner; the sphere's centre
+    vec3 u;           // edges from the corner (triangle: to vertices 1 and 2)
+    vec3 v;
+    vec3 direction;   // that light travels in (spot, directional); outward unit normal of a flat emitter
+    vec3 radiance;    // [W/(sr·m²)]; point, spot: intensity [W/sr]; directional without size: irradiance [W/m²]
+    float radius;     // sphere; directional: angular radius [rad], 0: a delta
+    float cos_inner;  // spot: full intensity inside, none outside, smooth between
+    float cos_outer;
+    float area;       // of a flat emitter
+    uint two_sided;
+};
+BUFFER(Lights, Light)
+
+// Alias method (Walker 1974, Vose 1991): one uniform number picks a light in O(1).
+struct AliasEntry {
+    float threshold;     // keep this entry if the fraction is below
+    uint alias;
+    float probability;   // of this entry in all
+};
+BUFFER(AliasEntries, AliasEntry)
+
+// Equirectangular radiance; row 0 is straight up (+y), u = 0 looks along −z and grows towards +x … with a
+// piecewise-constant density for sampling: row by `marginal`, column by `conditional`.
+struct Environment {
+    uint width;   // 0: no environment, nothing but black
+    uint height;
+    uint radiance_first;     // floats, rgb interleaved
+    uint marginal_first;     // floats, height + 1 values of the cumulative distribution
+    uint conditional_first;  // floats, (width + 1) for each row
+    uint light;              // its index in lights, NONE: not sampled
+    uint filter_kind;        // FILTER_…
+    mat3 world_to_local;     // rotation about +y, as the user asked
+};
+
+BUFFER(Words, uint)
+BUFFER(Floats, float)
+
+// -------------------------------------------------------------------------------------------------------------- camera
+const uint CAMERA_PERSPECTIVE = 0u;
+const uint CAMERA_ORTHOGRAPHIC = 1u;
+
+struct Camera {
+    uint kind;
+    mat4x3 camera_to_world;  // looks along −z, +y up, +x right
+    float half_height;       // of the image plane: tan(fov/2) at distance 1, or world units when orthographic
+    float lens_radius;       // 0: a pinhole
+    float focus_distance;    // along the axis
+    uvec2 resolution;        // of the whole film, a crop included
+    float filter_radius;     // of the pixel filter, pixels
+    uint filter_kind;        // PIXEL_FILTER_… of camera.h
+};
+
+// The whole scene.
+struct SceneView {
+    Instances instances;
+    BvhNodes instance_nodes;   // top-level BVH; its leaves index instance_order
+    Words instance_order;
+    Slots slots;
+    BvhNodes nodes;            // of all meshes
+    Triangles triangles;
+    TriangleInfos triangle_infos;
+    Attributes attributes;
+    Meshes meshes;
+    VoxelGrids voxel_grids;
+    SdfOps sdf_ops;
+    Sdfs sdfs;
+    Interiors interiors;
+    Media media;
+    DensityGrids grids;
+    Materials materials;
+    Textures textures;
+    Lights lights;
+    AliasEntries light_table;  // as many entries as lights
+    Words words;               // voxels, textures
+    Floats floats;             // densities, environment
+    Environment environment;
+    Camera camera;
+    uint instance_count;
+    uint bounded_count;        // instances under the top-level BVH
+    uint unbounded_count;      // planes: instance_order[bounded_count …] are tested one by one
+    uint light_count;
+    uint infinite_light_count;   // environment and directional lights stand first in lights
+    uint pass_through_count;   // instances a shadow ray must look at one by one; 0: any hit is a shadow
+    float scene_radius;        // of the bounding sphere of all that is bounded
+    vec3 scene_center;
+    uint camera_inside_count;  // interiors that the camera starts in …
+    uint camera_inside_first;  // … in words
+};
+BUFFER(SceneViews, SceneView)
+
+KERNELS_END
+#endif

@@ -1,0 +1,211 @@
+#ifndef SPINEL_KERNELS_SURFACE_H
+#define SPINEL_KERNELS_SURFACE_H
+// From a hit to what shading needs: position with its error, normals, texture coordinates, material, and which interiors
+// the ray leaves and enters there.
+#include "bsdf.h"
+#include "frame.h"
+#include "interior.h"
+#include "light.h"
+#include "sdf.h"
+#include "voxels.h"
+KERNELS_BEGIN
+
+struct Surface {
+    vec3 position;
+    float error;           // bound of the position's rounding error: rays leave this far off
+    vec3 geometric_normal;  // unit, outward
+    vec3 normal;            // unit, for shading; on the outward side too
+    vec3 tangent;           // unit or zero, along +u
+    float bitangent_sign;   // of cross(normal, tangent)
+    vec2 uv;
+    vec3 color;             // vertex colour
+    uint material;          // NONE: a mere interface
+    uint leaves;            // interiors on the side the ray comes from and goes to, as far as this surface decides them
+    uint enters;
+    bool entering;          // the ray runs against the outward normal
+    uint instance;
+    uint light_key;         // for light_of_primitive
+};
+
+FN vec3 rotate_normal(const_in(Instance) instance, vec3 n) { return n * mat3(instance.world_to_object); }
+
+// Palette index of a cell; 0, empty, outside the grid.
+FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
+    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= grid.size.x || c.y >= grid.size.y || c.z >= grid.size.z) return 0u;
+    return voxel_palette(scene, grid.word_first, voxel_linear(grid.size, c));
+}
+
+FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
+    Instance instance = scene.instances.at[hit.instance];
+    Surface s;
+    s.instance = hit.instance;
+    s.color = vec3(1.0f);
+    s.tangent = vec3(0.0f);
+    s.bitangent_sign = 1.0f;
+    s.uv = hit.uv;
+    s.light_key = hit.primitive;
+    vec3 local = instance.world_to_object * vec4(ray_at(ray, hit.t), 1.0f);
+    vec3 local_direction = instance.world_to_object * vec4(ray.direction, 0.0f);
+    s.entering = dot(local_direction, hit.normal) < 0.0f;
+    vec3 shading = hit.normal;
+    vec3 tangent = vec3(0.0f);
+    uint slot = instance.slot_first;
+    float extent = 0.0f;  // magnitude of the local coordinates that the position was computed from
+    uint other = 0u;      // voxels: palette index across the face
+
+    if (instance.geometry_kind == GEOMETRY_MESH) {
+        Mesh mesh = scene.meshes.at[instance.geometry];
+        Triangle t = scene.triangles.at[mesh.triangle_first + hit.primitive];
+        TriangleInfo info = scene.triangle_infos.at[mesh.triangle_first + hit.primitive];
+        float w = 1.0f - hit.uv.x - hit.uv.y;
+        local = w * t.a + hit.uv.x * t.b + hit.uv.y * t.c;
+        extent = max_component(max(abs(t.a), max(abs(t.b), abs(t.c))));
+        VertexAttributes a = scene.attributes.at[mesh.vertex_first + info.vertices.x];
+        VertexAttributes b = scene.attributes.at[mesh.vertex_first + info.vertices.y];
+        VertexAttributes c = scene.attributes.at[mesh.vertex_first + info.vertices.z];
+        vec3 n = w * a.normal + hit.uv.x * b.normal + hit.uv.y * c.normal;
+        if (dot(n, n) > 1.0e-12f) shading = n;
+        s.uv = w * a.uv + hit.uv.x * b.uv + hit.uv.y * c.uv;
+        vec4 tangent4 = w * a.tangent + hit.uv.x * b.tangent + hit.uv.y * c.tangent;
+        tangent = vec3(tangent4.x, tangent4.y, tangent4.z);
+        if (tangent4.w < 0.0f) s.bitangent_sign = -1.0f;
+        vec4 color = w * a.color + hit.uv.x * b.color + hit.uv.y * c.color;
+        s.color = vec3(color.x, color.y, color.z);
+        slot += info.slot;
+    } else if (instance.geometry_kind == GEOMETRY_VOXELS) {
+        VoxelGrid grid = scene.voxel_grids.at[instance.geometry];
+        uint axis = hit.face >> 1u;
+        bool positive = (hit.face & 1u) != 0u;
+        float plane = float(hit.cell[axis]) + (positive ? 1.0f : 0.0f);
+        local[axis] = plane;
+        extent = max_component(vec3(grid.size));
+        slot += voxel_at(scene, grid, hit.cell) - 1u;
+        ivec3 neighbour = hit.cell;
+        neighbour[axis] += positive ? 1 : -1;
+        other = voxel_at(scene, grid, neighbour);
+        s.light_key = hit.primitive * 6u + hit.face;
+    } else if (instance.geometry_kind == GEOMETRY_SDF) {
+        Sdf sdf = scene.sdfs.at[instance.geometry];
+        extent = max_component(max(abs(sdf.lower), abs(sdf.upper)));
+        s.light_key = NONE;
+    } else if (instance.geometry_kind == GEOMETRY_SPHERE) {
+        local = normalize(local);
+        extent = 1.0f;
+        s.uv = vec2(atan(local.x, local.z) * (0.5f * INV_PI) + 0.5f, 1.0f - acos(clamp(local.y, -1.0f, 1.0f)) * INV_PI);
+        tangent = vec3(local.z, 0.0f, -local.x);
+    } else if (instance.geometry_kind == GEOMETRY_BOX) {
+        uint axis = hit.primitive >> 1u;
+        local[axis] = (hit.primitive & 1u) != 0u ? 1.0f : -1.0f;
+        extent = 1.0f;
+    } else if (instance.geometry_kind == GEOMETRY_PLANE) {
+        local.y = 0.0f;
+        extent = max(abs(local.x), abs(local.z));
+        s.uv = vec2(local.x, -local.z);
+        tangent = vec3(1.0f, 0.0f, 0.0f);
+    } else {
+        local.y = 0.0f;
+        extent = 1.0f;
+        tangent = vec3(1.0f, 0.0f, 0.0f);
+    }
+
+    mat3 linear = mat3(instance.object_to_world);
+    s.position = instance.object_to_world * vec4(local, 1.0f);
+    vec3 column_sum = abs(linear[0]) + abs(linear[1]) + abs(linear[2]);
+    float magnitude = max(max_component(column_sum) * extent + max_component(abs(instance.object_to_world[3])),
+                          max_component(abs(s.position)));
+    s.error = magnitude * 9.5367432e-7f;  // 2⁻²⁰: eight units of rounding of the largest term
+
+    s.geometric_normal = normalize(rotate_normal(instance, hit.normal));
+    s.normal = normalize(rotate_normal(instance, shading));
+    if (dot(s.normal, s.geometric_normal) < 0.0f) s.normal = -s.normal;
+    vec3 world_tangent = linear * tangent;
+    s.tangent = dot(world_tangent, world_tangent) > 1.0e-20f ? normalize(world_tangent) : vec3(0.0f);
+
+    Slot here = scene.slots.at[slot];
+    s.material = here.material;
+    s.leaves = NONE;
+    s.enters = NONE;
+    if (s.entering) s.enters = here.interior;
+    else s.leaves = here.interior;
+    if (other != 0u) {  // a face between two voxels that are not air: the other side counts too
+        Slot across = scene.slots.at[instance.slot_first + other - 1u];
+        if (s.entering) s.leaves = across.interior;
+        else s.enters = across.interior;
+    }
+    return s;
+}
+
+// Where a ray that leaves the surface towards `direction` begins: far enough on that side that rounding cannot put it
+// on the other, and no farther.
+FN vec3 leave_surface(const_in(SceneView) scene, const_in(Surface) s, vec3 direction) {
+    float side = dot(direction, s.geometric_normal) >= 0.0f ? 1.0f : -1.0f;
+    Instance instance = scene.instances.at[s.instance];
+    if (instance.geometry_kind == GEOMETRY_SDF) {
+        // An SDF's inside is a sign: step until the sign is the wanted one.
+        vec3 p = instance.world_to_object * vec4(s.position, 1.0f);
+        vec3 n = s.geometric_normal * mat3(instance.object_to_world);  // gradients transform by the transposed inverse
+        float stretch = length(n);
+        vec3 moved = sdf_offset_point(scene, instance.geometry, p, n / stretch, side, s.error * stretch);
+        return instance.object_to_world * vec4(moved, 1.0f);
+    }
+    return s.position + side * s.error * s.geometric_normal;
+}
+
+// The BSDF at a surface, textures applied. n_ratio: index of refraction across the surface over that on wo's side.
+FN Bsdf surface_bsdf(const_in(SceneView) scene, const_in(Surface) s, float n_ratio) {
+    Material m = scene.materials.at[s.material];
+    vec3 color = m.color * s.color;
+    float roughness = m.roughness;
+    float metallic = m.metallic;
+    if (m.color_texture != NONE) {
+        vec4 t = texture_at(scene, m.color_texture, s.uv);
+        color *= vec3(t.x, t.y, t.z);
+    }
+    if (m.roughness_texture != NONE) roughness *= texture_at(scene, m.roughness_texture, s.uv).y;
+    if (m.metallic_texture != NONE) metallic *= texture_at(scene, m.metallic_texture, s.uv).z;
+    return make_bsdf(m, color, roughness, metallic, n_ratio);
+}
+
+FN float surface_opacity(const_in(SceneView) scene, const_in(Surface) s) {
+    if (s.material == NONE) return 0.0f;
+    float opacity = scene.materials.at[s.material].opacity;
+    uint t = scene.materials.at[s.material].opacity_texture;
+    if (t != NONE) opacity *= texture_at(scene, t, s.uv).w;
+    return opacity;
+}
+
+// Radiance that the surface itself sends towards wo.
+FN vec3 surface_emission(const_in(SceneView) scene, const_in(Surface) s) {
+    if (s.material == NONE) return vec3(0.0f);
+    if (is_black(scene.materials.at[s.material].emission)) return vec3(0.0f);
+    if (!s.entering && scene.materials.at[s.material].emission_two_sided == 0u) return vec3(0.0f);
+    return material_emission(scene, s.material, s.uv);
+}
+
+// Shading frame whose z is on wo's side, the normal map applied; z is bent until wo stays above it.
+FN Frame shading_frame(const_in(SceneView) scene, const_in(Surface) s, vec3 wo) {
+    vec3 n = s.normal;
+    uint map = scene.materials.at[s.material].normal_texture;
+    if (map != NONE && !is_black(s.tangent)) {
+        vec3 t = s.tangent - n * dot(n, s.tangent);
+        if (dot(t, t) > 1.0e-12f) {
+            t = normalize(t);
+            vec3 b = s.bitangent_sign * cross(n, t);
+            vec4 texel = texture_at(scene, map, s.uv);
+            float scale = scene.materials.at[s.material].normal_scale;
+            vec3 m = vec3((2.0f * texel.x - 1.0f) * scale, (2.0f * texel.y - 1.0f) * scale, max(2.0f * texel.z - 1.0f, 0.01f));
+            n = normalize(m.x * t + m.y * b + m.z * n);
+        }
+    }
+    vec3 ng = s.geometric_normal;
+    if (dot(wo, ng) < 0.0f) {
+        n = -n;
+        ng = -ng;
+    }
+    float c = dot(wo, n);
+    if (c < 0.01f) n = normalize(n + (0.01f - c) * wo);  // a normal seen from behind is turned to grazing
+    return make_frame(n);
+}
+
+KERNELS_END
+#endif

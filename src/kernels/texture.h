@@ -1,0 +1,58 @@
+#ifndef SPINEL_KERNELS_TEXTURE_H
+#define SPINEL_KERNELS_TEXTURE_H
+// Texture look-ups from plain buffers: RGBA texels in words, or a procedural checker. No filtering over the pixel's
+// footprint: the samples of a pixel do that.
+#include "scene_view.h"
+KERNELS_BEGIN
+
+// Exact sRGB decoding (IEC 61966-2-1).
+FN float srgb_to_linear(float x) { return x <= 0.04045f ? x / 12.92f : pow((x + 0.055f) / 1.055f, 2.4f); }
+
+FN int wrap_coordinate(int i, int size, uint wrap) {
+    if (wrap == WRAP_CLAMP) return clamp(i, 0, size - 1);
+    int period = wrap == WRAP_MIRROR ? 2 * size : size;
+    int r = i % period;
+    if (r < 0) r += period;
+    return r < size ? r : 2 * size - 1 - r;
+}
+
+// Linear RGBA of one texel; (x, y) may lie outside, row 0 is the top.
+FN vec4 texel_at(const_in(SceneView) scene, const_in(Texture) t, int x, int y) {
+    uint index = uint(wrap_coordinate(y, int(t.height), t.wrap)) * t.width + uint(wrap_coordinate(x, int(t.width), t.wrap));
+    if (t.kind == TEXTURE_RGBA16F) {
+        vec2 rg = unpackHalf2x16(scene.words.at[t.word_first + 2u * index]);
+        vec2 ba = unpackHalf2x16(scene.words.at[t.word_first + 2u * index + 1u]);
+        return vec4(rg.x, rg.y, ba.x, ba.y);
+    }
+    uint w = scene.words.at[t.word_first + index];
+    vec4 c = vec4(float(w & 255u), float((w >> 8u) & 255u), float((w >> 16u) & 255u), float(w >> 24u)) * (1.0f / 255.0f);
+    if (t.srgb != 0u) return vec4(srgb_to_linear(c.x), srgb_to_linear(c.y), srgb_to_linear(c.z), c.w);
+    return c;
+}
+
+// uv: (0,0) is the lower left corner of the image.
+FN vec4 texture_at(const_in(SceneView) scene, uint index, vec2 uv) {
+    Texture t = scene.textures.at[index];
+    vec2 st = uv * t.scale + t.offset;
+    if (t.kind == TEXTURE_CHECKER) {
+        int parity = (int(floor(st.x)) + int(floor(st.y))) & 1;
+        return vec4(parity == 0 ? t.color_a : t.color_b, 1.0f);
+    }
+    float x = st.x * float(t.width);
+    float y = (1.0f - st.y) * float(t.height);
+    // Far outside, float coordinates lose their fraction and int conversion its definition.
+    if (!(abs(x) < 1.0e9f) || !(abs(y) < 1.0e9f)) return vec4(0.0f, 0.0f, 0.0f, 1.0f);
+    if (t.filter_kind == FILTER_NEAREST) return texel_at(scene, t, int(floor(x)), int(floor(y)));
+    x -= 0.5f;
+    y -= 0.5f;
+    int i = int(floor(x));
+    int j = int(floor(y));
+    float a = x - float(i);
+    float b = y - float(j);
+    vec4 top = mix(texel_at(scene, t, i, j), texel_at(scene, t, i + 1, j), a);
+    vec4 bottom = mix(texel_at(scene, t, i, j + 1), texel_at(scene, t, i + 1, j + 1), a);
+    return mix(top, bottom, b);
+}
+
+KERNELS_END
+#endif

@@ -1,0 +1,51 @@
+#pragma once
+// The workbench of compile(): the scene being read, the flat arrays being filled, and what is already there.
+// One file for each kind of thing; compile.cpp calls them in order.
+
+#include <map>
+#include <vector>
+
+#include "scene/compiled_scene.h"
+
+namespace spinel {
+
+struct Compilation {
+    const Scene& scene;
+    CompiledScene out;
+    std::vector<kernels::uint> grid_of;  // Scene::grids → DensityGrids, NONE until used
+
+    // A geometry compiled once, however often it is placed.
+    struct Shape {
+        kernels::uint kind = kernels::NONE;
+        kernels::uint index = 0;
+        mat4x3 bake = mat4x3(1);  // the kernel's unit shape to the user's local space
+        vec3 lower = {0, 0, 0};   // bounds in the kernel's local space
+        vec3 upper = {0, 0, 0};
+        bool bounded = true;
+        std::size_t slot_count = 1;
+    };
+    std::vector<Shape> shapes;  // parallel to Scene::geometries
+};
+
+// compile_textures.cpp
+void add_textures(Compilation& c);
+// Mean linear rgb of a texture; 1 for NONE.
+vec3 mean_color(const CompiledScene& out, kernels::uint texture);
+
+// compile_media.cpp: an index into media or interiors, shared among equals.
+kernels::uint add_medium(Compilation& c, const kernels::Medium& medium);
+kernels::uint add_scene_medium(Compilation& c, int medium, const mat4x3& object_to_world);
+kernels::uint add_interior(Compilation& c, const kernels::Interior& interior);
+
+// compile_environment.cpp: the environment image with its sampling tables, and its light.
+void add_environment(Compilation& c);
+
+// compile_lights.cpp: lights without a surface, emitters of the instances, the alias table.
+void add_infinite_and_point_lights(Compilation& c);
+void add_surface_lights(Compilation& c);
+void build_light_table(CompiledScene& out);
+
+mat4x3 affine_product(const mat4x3& a, const mat4x3& b);
+mat4x3 affine_inverse(const mat4x3& m);
+
+}  // namespace spinel

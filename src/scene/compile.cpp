@@ -1,0 +1,348 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+
+#include "accel/bvh_builder.h"
+#include "geometry/mesh/mesh_builder.h"
+#include "geometry/sdf/sdf_builder.h"
+#include "geometry/voxels/voxel_builder.h"
+#include "kernels/camera.h"
+#include "kernels/locate.h"
+#include "kernels/traverse.h"
+#include "scene/compilation.h"
+#include "scene/validate.h"
+
+namespace spinel {
+
+using kernels::NONE;
+using kernels::uint;
+
+mat4x3 affine_product(const mat4x3& a, const mat4x3& b) { return mat4x3(glm::mat4(a) * glm::mat4(b)); }
+
+mat4x3 affine_inverse(const mat4x3& m) {
+    // In double precision: instances may sit far from the origin.
+    return mat4x3(glm::dmat4x3(glm::inverse(glm::dmat4(glm::dmat4x3(m)))));
+}
+
+bool is_similarity(const mat4x3& t) {
+    const float xx = glm::dot(t[0], t[0]), yy = glm::dot(t[1], t[1]), zz = glm::dot(t[2], t[2]);
+    const float tolerance = 2e-4f * xx;
+    return std::abs(yy - xx) <= tolerance && std::abs(zz - xx) <= tolerance && std::abs(glm::dot(t[0], t[1])) <= tolerance &&
+           std::abs(glm::dot(t[0], t[2])) <= tolerance && std::abs(glm::dot(t[1], t[2])) <= tolerance;
+}
+
+kernels::SceneView CompiledScene::view() const {
+    kernels::SceneView v = {};
+    v.instances.at = instances.data();
+    v.instance_nodes.at = instance_nodes.data();
+    v.instance_order.at = instance_order.data();
+    v.slots.at = slots.data();
+    v.nodes.at = nodes.data();
+    v.triangles.at = triangles.data();
+    v.triangle_infos.at = triangle_infos.data();
+    v.attributes.at = attributes.data();
+    v.meshes.at = meshes.data();
+    v.voxel_grids.at = voxel_grids.data();
+    v.sdf_ops.at = sdf_ops.data();
+    v.sdfs.at = sdfs.data();
+    v.interiors.at = interiors.data();
+    v.media.at = media.data();
+    v.grids.at = grids.data();
+    v.materials.at = materials.data();
+    v.textures.at = textures.data();
+    v.lights.at = lights.data();
+    v.light_table.at = light_table.data();
+    v.words.at = words.data();
+    v.floats.at = floats.data();
+    v.environment = environment;
+    v.camera = camera;
+    v.instance_count = uint(instances.size());
+    v.bounded_count = bounded_count;
+    v.unbounded_count = uint(instances.size()) - bounded_count;
+    v.light_count = uint(light_table.size());
+    v.infinite_light_count = infinite_light_count;
+    v.pass_through_count = uint(std::count_if(instances.begin(), instances.end(), [](const kernels::Instance& i) {
+        return (i.flags & kernels::INSTANCE_PASS_THROUGH) != 0;
+    }));
+    v.scene_radius = 0.5f * glm::length(upper - lower);
+    v.scene_center = 0.5f * (lower + upper);
+    v.camera_inside_count = camera_inside_count;
+    v.camera_inside_first = camera_inside_first;
+    return v;
+}
+
+namespace {
+
+using Shape = Compilation::Shape;
+
+mat4x3 scaling(vec3 s) { return mat4x3(vec3(s.x, 0, 0), vec3(0, s.y, 0), vec3(0, 0, s.z), vec3(0)); }
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
+
+Shape unit_shape(uint kind, const mat4x3& bake, vec3 upper = vec3(1)) {
+    Shape shape;
+    shape.kind = kind;
+    shape.bake = bake;
+    shape.lower = -upper;
+    shape.upper = upper;
+    return shape;
+}
+
+struct ShapeBuilder {
+    Compilation& c;
+    const std::string& name;
+
+    Error fail(const Error& error) const { return {fmt::format("geometry '{}': {}", name, error.message)}; }
+
+    Result<Shape> operator()(const MeshGeometry& mesh) const {
+        Result<MeshData> data = build_mesh(mesh);
+        if (!data) return fail(data.error());
+        CompiledScene& out = c.out;
+        Shape shape;
+        shape.kind = kernels::GEOMETRY_MESH;
+        shape.index = uint(out.meshes.size());
+        out.meshes.push_back({uint(out.nodes.size()), uint(out.triangles.size()), uint(data->triangles.size()),
+                              uint(out.attributes.size())});
+        append(out.nodes, data->nodes);
+        append(out.triangles, data->triangles);
+        append(out.triangle_infos, data->infos);
+        append(out.attributes, data->attributes);
+        shape.lower = data->bounds.lower;
+        shape.upper = data->bounds.upper;
+        if (data->nodes.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
+        return shape;
+    }
+    Result<Shape> operator()(const VoxelGeometry& voxels) const {
+        Result<VoxelData> data = build_voxels(voxels);
+        if (!data) return fail(data.error());
+        Shape shape;
+        shape.kind = kernels::GEOMETRY_VOXELS;
+        shape.index = uint(c.out.voxel_grids.size());
+        data->grid.word_first = uint(c.out.words.size());
+        c.out.voxel_grids.push_back(data->grid);
+        append(c.out.words, data->words);
+        shape.upper = vec3(voxels.size);
+        return shape;
+    }
+    Result<Shape> operator()(const SdfGeometry& sdf) const {
+        Result<SdfData> data = build_sdf(sdf);
+        if (!data) return fail(data.error());
+        Shape shape;
+        shape.kind = kernels::GEOMETRY_SDF;
+        shape.index = uint(c.out.sdfs.size());
+        data->sdf.op_first = uint(c.out.sdf_ops.size());
+        c.out.sdfs.push_back(data->sdf);
+        append(c.out.sdf_ops, data->ops);
+        shape.lower = data->sdf.lower;
+        shape.upper = data->sdf.upper;
+        return shape;
+    }
+    // The box of a grid; what is in it comes from the object's interior medium.
+    Result<Shape> operator()(const VolumeGeometry& volume) const {
+        const Grid& grid = c.scene.grids[std::size_t(volume.grid)];
+        const vec3 half = 0.5f * vec3(grid.size);
+        mat4x3 box = scaling(half);
+        box[3] = half;
+        return unit_shape(kernels::GEOMETRY_BOX, affine_product(grid.index_to_local, box));
+    }
+    Result<Shape> operator()(const SphereGeometry& sphere) const {
+        return unit_shape(kernels::GEOMETRY_SPHERE, scaling(vec3(sphere.radius)));
+    }
+    Result<Shape> operator()(const BoxGeometry& box) const {
+        return unit_shape(kernels::GEOMETRY_BOX, scaling(0.5f * box.size));
+    }
+    Result<Shape> operator()(const RectangleGeometry& rectangle) const {
+        return unit_shape(kernels::GEOMETRY_RECTANGLE, scaling({0.5f * rectangle.size.x, 1, 0.5f * rectangle.size.y}),
+                          {1, 0, 1});
+    }
+    Result<Shape> operator()(const PlaneGeometry&) const {
+        Shape shape = unit_shape(kernels::GEOMETRY_PLANE, mat4x3(1));
+        shape.bounded = false;
+        return shape;
+    }
+};
+
+// World bounds of a local box under an affine transform (Arvo 1990), padded by rounding.
+Box world_bounds(const mat4x3& m, vec3 lower, vec3 upper) {
+    const vec3 center = m * vec4(0.5f * (lower + upper), 1), half = 0.5f * (upper - lower);
+    const vec3 extent = glm::abs(m[0]) * half.x + glm::abs(m[1]) * half.y + glm::abs(m[2]) * half.z;
+    const vec3 pad = 4e-7f * (glm::abs(center) + extent + glm::abs(m[3]));
+    return {center - extent - pad, center + extent + pad};
+}
+
+// What is inside a slot of an object: the object's own interior before the material's.
+uint slot_interior(Compilation& c, const Object& object, int material) {
+    kernels::Interior interior;
+    std::memset(&interior, 0, sizeof interior);
+    interior.medium = NONE;
+    int medium = object.interior;
+    vec3 absorption(0);
+    if (material >= 0) {
+        const kernels::Material& m = c.scene.materials[std::size_t(material)].values;
+        if (m.kind == kernels::MATERIAL_DIELECTRIC) {
+            interior.ior = m.ior;
+            interior.priority = m.priority;
+            absorption = m.absorption;
+        }
+        if (medium < 0 && m.interior != NONE) medium = int(m.interior);
+        if (interior.ior == 0) return NONE;  // opaque: nothing ever gets inside
+    }
+    if (medium >= 0) {
+        interior.medium = add_scene_medium(c, medium, object.transform);
+    } else if (!kernels::is_black(absorption)) {
+        kernels::Medium beer;
+        std::memset(&beer, 0, sizeof beer);
+        beer.absorption = absorption;
+        beer.grid = NONE;
+        beer.world_to_grid = mat4x3(1);
+        beer.density_bound = 1;
+        beer.flags = kernels::MEDIUM_ABSORBS_ONLY;
+        interior.medium = add_medium(c, beer);
+    }
+    if (interior.medium == NONE && interior.ior == 0) return NONE;
+    return add_interior(c, interior);
+}
+
+void add_instance(Compilation& c, std::size_t index) {
+    const Object& object = c.scene.objects[index];
+    const Shape& shape = c.shapes[std::size_t(object.geometry)];
+    kernels::Instance instance = {};
+    instance.object_to_world = affine_product(object.transform, shape.bake);
+    instance.world_to_object = affine_inverse(instance.object_to_world);
+    instance.geometry_kind = shape.kind;
+    instance.geometry = shape.index;
+    instance.slot_first = uint(c.out.slots.size());
+    instance.light_first = NONE;
+    instance.object = uint(index);
+    for (std::size_t s = 0; s < shape.slot_count; ++s) {
+        const int material = object.materials.empty()       ? -1
+                             : object.materials.size() == 1 ? object.materials[0]
+                                                            : object.materials[s];
+        const kernels::Slot slot{material < 0 ? NONE : uint(material), slot_interior(c, object, material)};
+        c.out.slots.push_back(slot);
+        const bool solid = material >= 0 && c.scene.materials[std::size_t(material)].values.opacity >= 1 &&
+                           c.scene.materials[std::size_t(material)].values.opacity_texture == NONE;
+        if (!solid) instance.flags |= kernels::INSTANCE_PASS_THROUGH;
+    }
+    c.out.instances.push_back(instance);
+}
+
+// Bounded instances under a BVH, the others behind them in the order. Objects keep their indices.
+void build_top_level(Compilation& c) {
+    CompiledScene& out = c.out;
+    std::vector<Box> boxes;
+    std::vector<uint> bounded, unbounded;
+    for (uint i = 0; i < out.instances.size(); ++i) {
+        const Shape& shape = c.shapes[std::size_t(c.scene.objects[i].geometry)];
+        if (!shape.bounded) {
+            unbounded.push_back(i);
+            continue;
+        }
+        bounded.push_back(i);
+        boxes.push_back(world_bounds(out.instances[i].object_to_world, shape.lower, shape.upper));
+    }
+    const Bvh bvh = build_bvh(boxes, {.max_leaf = 1});
+    out.instance_nodes = bvh.nodes;
+    for (const uint i : bvh.order) out.instance_order.push_back(bounded[i]);
+    out.bounded_count = uint(bvh.order.size());
+    append(out.instance_order, unbounded);
+    if (!boxes.empty()) {
+        out.lower = boxes[0].lower;
+        out.upper = boxes[0].upper;
+        for (const Box& box : boxes) {
+            out.lower = glm::min(out.lower, box.lower);
+            out.upper = glm::max(out.upper, box.upper);
+        }
+    }
+}
+
+uint kernel_filter(PixelFilter filter) {
+    switch (filter) {
+        case PixelFilter::box: return kernels::PIXEL_FILTER_BOX;
+        case PixelFilter::tent: return kernels::PIXEL_FILTER_TENT;
+        case PixelFilter::gaussian: return kernels::PIXEL_FILTER_GAUSSIAN;
+        case PixelFilter::blackman_harris: break;
+    }
+    return kernels::PIXEL_FILTER_BLACKMAN_HARRIS;
+}
+
+kernels::Camera kernel_camera(const Camera& camera, const Film& film) {
+    kernels::Camera k = {};
+    k.kind = camera.kind == Camera::Kind::orthographic ? kernels::CAMERA_ORTHOGRAPHIC : kernels::CAMERA_PERSPECTIVE;
+    const vec3 z = glm::normalize(camera.from - camera.at);
+    const vec3 x = glm::normalize(glm::cross(camera.up, z));
+    const vec3 y = glm::cross(z, x);
+    k.camera_to_world = mat4x3(camera.mirrored ? -x : x, y, z, camera.from);
+    k.half_height = camera.kind == Camera::Kind::orthographic ? 0.5f * camera.height
+                                                              : std::tan(0.5f * glm::radians(camera.fov));
+    k.lens_radius = camera.lens_radius;
+    k.focus_distance = camera.focus_distance > 0 ? camera.focus_distance : glm::length(camera.at - camera.from);
+    k.resolution = {film.size.x, film.size.y};
+    k.filter_radius = film.filter_radius;
+    k.filter_kind = kernel_filter(film.filter);
+    return k;
+}
+
+Result<Camera> choose_camera(const Scene& scene, const std::string& name) {
+    if (scene.cameras.empty()) return Error{"the scene has no camera"};
+    if (name.empty()) return scene.cameras.front();
+    std::string available;
+    for (const Camera& camera : scene.cameras) {
+        if (camera.name == name) return camera;
+        available += (available.empty() ? "'" : ", '") + camera.name + "'";
+    }
+    return Error{fmt::format("no camera '{}'; available: {}", name, available)};
+}
+
+}  // namespace
+
+Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options) {
+    if (Result<void> valid = validate(scene); !valid) return valid.error();
+    Compilation c{scene, {}, std::vector<uint>(scene.grids.size(), NONE), {}};
+    CompiledScene& out = c.out;
+    out.film = scene.film;
+    if (options.size.x > 0 && options.size.y > 0) out.film.size = options.size;
+    out.integrator = scene.integrator;
+
+    add_textures(c);
+    for (const Material& material : scene.materials) out.materials.push_back(material.values);
+    std::vector<bool> used(scene.geometries.size(), false);
+    for (const Object& object : scene.objects) used[std::size_t(object.geometry)] = true;
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
+        const Geometry& geometry = scene.geometries[i];
+        if (!used[i]) {
+            c.shapes.emplace_back();
+            continue;
+        }
+        Result<Shape> shape = std::visit(ShapeBuilder{c, geometry.name}, geometry.data);
+        if (!shape) return shape.error();
+        shape->slot_count = std::max<std::size_t>(slot_count(geometry), 1);
+        c.shapes.push_back(*shape);
+    }
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        add_instance(c, i);
+        out.object_names.push_back(scene.objects[i].name);
+    }
+    build_top_level(c);
+    add_environment(c);
+    add_infinite_and_point_lights(c);
+    add_surface_lights(c);
+    build_light_table(out);
+
+    if (!scene.cameras.empty() || !options.camera.empty()) {
+        const Result<Camera> camera = choose_camera(scene, options.camera);
+        if (!camera) return camera.error();
+        out.camera = kernel_camera(*camera, out.film);
+        const kernels::Inside inside = kernels::interiors_at(out.view(), camera->from);
+        out.camera_inside_first = uint(out.words.size());
+        out.camera_inside_count = inside.count;
+        out.words.insert(out.words.end(), inside.entries, inside.entries + inside.count);
+    }
+    return std::move(c.out);
+}
+
+}  // namespace spinel
