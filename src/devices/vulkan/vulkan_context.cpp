@@ -47,8 +47,8 @@ Result<VkInstance> create_instance() {
 }
 
 bool has_required_features(VkPhysicalDevice physical_device) {
-    VkPhysicalDeviceVulkan12Features features12 = {.sType =
-                                                       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceVulkan12Features features12 = {};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
     VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                           .pNext = &features12};
     vkGetPhysicalDeviceFeatures2(physical_device, &features);
@@ -105,12 +105,16 @@ Result<void> open_device(VulkanContext& context) {
                                            .queueFamilyIndex = context.queue_family,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-    VkPhysicalDeviceVulkan12Features features = {.sType =
-                                                     VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-    features.scalarBlockLayout = VK_TRUE;
-    features.bufferDeviceAddress = VK_TRUE;
+    VkPhysicalDeviceVulkan12Features features12 = {};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    features12.scalarBlockLayout = VK_TRUE;
+    features12.bufferDeviceAddress = VK_TRUE;
+    VkPhysicalDeviceVulkan13Features features13 = {};
+    features13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    features13.pNext = &features12;
+    features13.maintenance4 = VK_TRUE;  // every 1.3 device has it; SPIR-V 1.6 states the local size its way
     const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                       .pNext = &features,
+                                       .pNext = &features13,
                                        .queueCreateInfoCount = 1,
                                        .pQueueCreateInfos = &queue};
     VkResult result = vkCreateDevice(context.physical_device, &device, nullptr, &context.device);
