@@ -1,8 +1,10 @@
-// Writes src/kernels/microfacet_tables.h: what single scattering between GGX microfacets loses. Run it after a change of
-// the distribution, the masking or the tables' coordinates, from the root of the source tree:
-//   g++ -std=c++20 -O3 -Isrc tools/make_microfacet_tables.cpp -o /tmp/tables && /tmp/tables > src/kernels/microfacet_tables.h
-// Each entry is a mean over a low-discrepancy set of visible normals; averages over µ integrate the entries as they will
-// be interpolated, so that the compensating lobe integrates to exactly what the interpolated table says is missing.
+// Writes src/kernels/microfacet_tables.h: what single scattering between GGX microfacets loses. Run it after
+// a change of the distribution, the masking or the tables' coordinates, from the root of the source tree:
+//   g++ -std=c++20 -O3 -Isrc tools/make_microfacet_tables.cpp -o /tmp/tables && /tmp/tables >
+//   src/kernels/microfacet_tables.h
+// Each entry is a mean over a low-discrepancy set of visible normals; averages over µ integrate the entries
+// as they will be interpolated, so that the compensating lobe integrates to exactly what the interpolated
+// table says is missing.
 
 #include <cstdio>
 #include <functional>
@@ -23,7 +25,8 @@ const uint GGX_MISSING_AVERAGE_FIRST = GGX_SCHLICK_FIRST + GGX_SCHLICK_WIDTH * G
 const uint GGX_SCHLICK_AVERAGE_FIRST = GGX_MISSING_AVERAGE_FIRST + GGX_MISSING_HEIGHT;
 const uint DIELECTRIC_HEIGHT = 16, DIELECTRIC_DEPTH = 11;
 const uint THIN_MISSING_FIRST = GGX_SCHLICK_AVERAGE_FIRST + GGX_SCHLICK_HEIGHT, THIN_MISSING_WIDTH = 16;
-const uint DENSE_MISSING_FIRST = THIN_MISSING_FIRST + THIN_MISSING_WIDTH * DIELECTRIC_HEIGHT * DIELECTRIC_DEPTH;
+const uint DENSE_MISSING_FIRST =
+    THIN_MISSING_FIRST + THIN_MISSING_WIDTH * DIELECTRIC_HEIGHT * DIELECTRIC_DEPTH;
 const uint DENSE_MISSING_WIDTH = 33;
 const uint THIN_MISSING_AVERAGE_FIRST =
     DENSE_MISSING_FIRST + DENSE_MISSING_WIDTH * DIELECTRIC_HEIGHT * DIELECTRIC_DEPTH;
@@ -61,7 +64,8 @@ Albedo single_scattering(float alpha, float mu, float relative_ior) {
             sum.schlick += schlick_weight(om) * seen(up);
         }
         if (reflected < 1.0f) {
-            const glm::vec3 down = (om / relative_ior - refracted_cosine(om, relative_ior)) * m - wo / relative_ior;
+            const glm::vec3 down =
+                (om / relative_ior - refracted_cosine(om, relative_ior)) * m - wo / relative_ior;
             if (down.z < 0.0f) sum.whole += (1.0f - reflected) * seen(down);
         }
     }
@@ -71,7 +75,8 @@ Albedo single_scattering(float alpha, float mu, float relative_ior) {
 // Inverses of the coordinates of microfacet_energy.h, by bisection: they are monotonic.
 float solve(float target, const std::function<float(float)>& coordinate) {
     float low = 0.0f, high = 1.0f;
-    for (int i = 0; i < 60; ++i) (coordinate(0.5f * (low + high)) < target ? low : high) = 0.5f * (low + high);
+    for (int i = 0; i < 60; ++i)
+        (coordinate(0.5f * (low + high)) < target ? low : high) = 0.5f * (low + high);
     return std::max(0.5f * (low + high), 1e-4f);
 }
 
@@ -102,7 +107,8 @@ int main() {
                                    [&](float m) { return std::sqrt(microfacet_warp(m, alpha)); });
             store(GGX_MISSING_FIRST + y * GGX_MISSING_WIDTH + x, 1 - single_scattering(alpha, mu, 0).whole);
         }
-        store(GGX_MISSING_AVERAGE_FIRST + y, cosine_average([&](float mu) { return ggx_missing(roughness, mu); }));
+        store(GGX_MISSING_AVERAGE_FIRST + y,
+              cosine_average([&](float mu) { return ggx_missing(roughness, mu); }));
     }
     for (uint y = 0; y < GGX_SCHLICK_HEIGHT; ++y) {
         const float roughness = node(y, GGX_SCHLICK_HEIGHT), alpha = microfacet_table_alpha(roughness);
@@ -126,7 +132,8 @@ int main() {
             for (uint x = 0; x < THIN_MISSING_WIDTH; ++x) {
                 const float mu = solve(node(x, THIN_MISSING_WIDTH),
                                        [&](float m) { return std::sqrt(microfacet_warp(m, alpha)); });
-                store(THIN_MISSING_FIRST + row * THIN_MISSING_WIDTH + x, 1 - single_scattering(alpha, mu, n).whole);
+                store(THIN_MISSING_FIRST + row * THIN_MISSING_WIDTH + x,
+                      1 - single_scattering(alpha, mu, n).whole);
             }
             for (uint x = 0; x < DENSE_MISSING_WIDTH; ++x) {
                 const float mu = solve(node(x, DENSE_MISSING_WIDTH),
@@ -149,9 +156,11 @@ int main() {
         }
     }
 
-    std::printf("#ifndef SPINEL_KERNELS_MICROFACET_TABLES_H\n#define SPINEL_KERNELS_MICROFACET_TABLES_H\n"
-                "// Written by tools/make_microfacet_tables.cpp; microfacet_energy.h says what it holds and reads it.\n"
-                "// clang-format off\n#include \"constants.h\"\nKERNELS_BEGIN\n\n");
+    std::printf(
+        "#ifndef SPINEL_KERNELS_MICROFACET_TABLES_H\n#define SPINEL_KERNELS_MICROFACET_TABLES_H\n"
+        "// Written by tools/make_microfacet_tables.cpp; microfacet_energy.h says what it holds and reads "
+        "it.\n"
+        "// clang-format off\n#include \"constants.h\"\nKERNELS_BEGIN\n\n");
     auto constant = [](const char* name, uint value) { std::printf("const uint %s = %uu;\n", name, value); };
 #define CONSTANT(name) constant(#name, name)
     CONSTANT(GGX_MISSING_FIRST);
@@ -173,6 +182,8 @@ int main() {
 #undef CONSTANT
     const uint words = (TABLE_COUNT + 1) / 2;
     std::printf("\nconst uint MICROFACET_TABLE[%u] = {", words);
-    for (uint i = 0; i < words; ++i) std::printf("%s0x%08xu%s", i % 9 == 0 ? "\n    " : " ", MICROFACET_TABLE[i], i + 1 < words ? "," : "");
+    for (uint i = 0; i < words; ++i)
+        std::printf("%s0x%08xu%s", i % 9 == 0 ? "\n    " : " ", MICROFACET_TABLE[i],
+                    i + 1 < words ? "," : "");
     std::printf("};\n\nKERNELS_END\n#endif\n");
 }

@@ -51,5 +51,15 @@ FN float ggx_sample_pdf(float alpha, vec3 wo, vec3 m) {
     return g1_by_cos * max(dot(wo, m), 0.0f) * ggx_d(alpha, m);
 }
 
+// A single reflection by a perfectly reflecting surface, f·cos θi in x; the density of wi that ggx_sample
+// gives, in y.
+FN vec2 ggx_reflection(float alpha, vec3 wo, vec3 wi, vec3 m) {
+    float om = dot(wo, m);
+    if (om <= 0.0f) return vec2(0.0f);
+    float pdf = ggx_sample_pdf(alpha, wo, m) / (4.0f * om);  // dm/dwi = 1 / (4 wo·m)
+    float lambda = ggx_lambda(alpha, wo);
+    return vec2(pdf * (1.0f + lambda) / (1.0f + lambda + ggx_lambda(alpha, wi)), pdf);
+}
+
 KERNELS_END
 #endif

@@ -1,0 +1,78 @@
+#include "scene/material_registry.h"
+
+#include "kernels/materials.h"
+
+namespace spinel {
+
+namespace {
+
+using kernels::Material;
+
+constexpr MaterialInfo infos[] = {
+#define SPINEL_MATERIAL_INFO(number, CONSTANT, name)                                   \
+    MaterialInfo{kernels::MATERIAL_##CONSTANT, #name, kernels::name##_description.doc, \
+                 kernels::name##_description.parameters, kernels::name##_description.presets},
+    SPINEL_MATERIALS(SPINEL_MATERIAL_INFO)
+#undef SPINEL_MATERIAL_INFO
+};
+
+constexpr MaterialParameter common_parameters[] = {
+    {"emission", &Material::emission, glm::vec3(0.0f), 0, 1e9f, &Material::emission_texture,
+     "Radiance that the surface sends out, W/(sr m^2)."},
+    {"emission_two_sided", &Material::emission_two_sided, 0u, 0, 1, nullptr,
+     "1: both sides emit; 0: only the side of the outward normal."},
+    {"normal_scale", &Material::normal_scale, 1.0f, 0, 10, &Material::normal_texture,
+     "Strength of the normal map, which is the texture."},
+    {"opacity", &Material::opacity, 1.0f, 0, 1, &Material::opacity_texture,
+     "Chance that a ray meets the surface at all; of a texture, the alpha channel."},
+};
+
+void set_defaults(Material& material, std::span<const MaterialParameter> parameters) {
+    for (const MaterialParameter& parameter : parameters) {
+        std::visit(
+            [&](auto member) {
+                using Value = std::remove_reference_t<decltype(material.*member)>;
+                material.*member = std::get<Value>(parameter.initial);
+            },
+            parameter.member);
+    }
+}
+
+}  // namespace
+
+std::span<const MaterialInfo> material_infos() { return infos; }
+
+const MaterialInfo* find_material_info(std::string_view name) {
+    for (const MaterialInfo& info : infos) {
+        if (info.name == name) return &info;
+    }
+    return nullptr;
+}
+
+const MaterialInfo* find_material_info(kernels::uint kind) {
+    for (const MaterialInfo& info : infos) {
+        if (info.kind == kind) return &info;
+    }
+    return nullptr;
+}
+
+std::span<const MaterialParameter> common_material_parameters() { return common_parameters; }
+
+kernels::Material default_material(kernels::uint kind) {
+    Material material{};
+    material.color_texture = kernels::NONE;
+    material.roughness_texture = kernels::NONE;
+    material.metallic_texture = kernels::NONE;
+    material.emission_texture = kernels::NONE;
+    material.normal_texture = kernels::NONE;
+    material.opacity_texture = kernels::NONE;
+    material.interior = kernels::NONE;
+    material.kind = kind;
+    material.edge_color = glm::vec3(1.0f);  // members that a kind does not use still hold sane values
+    material.ior = 1.5f;
+    set_defaults(material, common_parameters);
+    if (const MaterialInfo* info = find_material_info(kind)) set_defaults(material, info->parameters);
+    return material;
+}
+
+}  // namespace spinel

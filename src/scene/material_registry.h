@@ -1,0 +1,34 @@
+#pragma once
+// The materials there are, by name, made from the table in kernels/materials.h and the description in each
+// material's own file. What reads, lists, documents or tests materials goes through here.
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "kernels/materials/description.h"
+
+namespace spinel {
+
+using kernels::MaterialParameter;
+using kernels::MaterialPreset;
+
+struct MaterialInfo {
+    kernels::uint kind;  // MATERIAL_…
+    std::string_view name;
+    std::string_view doc;
+    std::span<const MaterialParameter> parameters;  // of this kind alone, see common_material_parameters()
+    std::span<const MaterialPreset> presets;
+};
+
+std::span<const MaterialInfo> material_infos();
+const MaterialInfo* find_material_info(std::string_view name);  // nullptr: there is none
+const MaterialInfo* find_material_info(kernels::uint kind);
+
+// What every kind understands besides its own parameters: emission, opacity, normal map.
+std::span<const MaterialParameter> common_material_parameters();
+
+// Defaults of the kind; every texture and the interior NONE.
+kernels::Material default_material(kernels::uint kind);
+
+}  // namespace spinel
