@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/device.h"
 #include "kernels/sdf.h"
 
 namespace spinel {

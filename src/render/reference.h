@@ -2,7 +2,7 @@
 // The naive twin of kernels/traverse.h: every instance, every primitive, in double precision, right by
 // reading. Slow. Tests compare everything clever with it.
 
-#include "kernels/scene_view.h"
+#include "kernels/device.h"
 
 namespace spinel {
 
