@@ -19,7 +19,7 @@ const uint SDF_MAX_STEPS = 1024u;      // of one march; what happens at the boun
 const uint SDF_MAX_REFINEMENTS = 48u;  // of one bracket
 const uint SDF_MAX_OFFSETS = 16u;      // doublings (and halvings) of sdf_offset_point
 const float SDF_RESOLUTION = 1.0e-6f;  // smallest step, relative to the size and position of the bounds
-const float SDF_RELAXATION = 1.6f;
+const float SDF_RELAXATION = 1.2f;
 
 struct SdfPoints {
     vec3 at[SDF_POINT_REGISTERS];
@@ -261,10 +261,12 @@ FN SdfBracket sdf_march(const_in(SceneView) scene, uint sdf, SdfSegment segment)
         bool crawling = radius < shortest;
         float next = min(s + (crawling ? shortest : radius * relaxation), segment.extent);
         float next_f = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
-        if (crawling) {
+        if (radius < max(shortest, 32.0f * segment.resolution)) {
             shortest = min(shortest * 1.05f, 1000.0f * segment.resolution);
-        } else {
-            if (radius > 16.0f * shortest) shortest = segment.resolution;
+        } else if (radius > 16.0f * shortest) {
+            shortest = segment.resolution;
+        }
+        if (!crawling) {
             // Relaxed too far: the two spheres do not cover the way between their centres.
             if (relaxation > 1.0f &&
                 ((next_f < 0.0f) != inside || radius + abs(next_f) * inverse_lipschitz < next - s)) {
