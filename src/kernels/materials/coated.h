@@ -15,21 +15,25 @@ struct Coated {
     vec3 f0;          // of the specular layer
     float layer_f0;   // of the dielectric part of it, which covers the base
     vec3 base;        // reflectance of the base, as seen through a layer that lets everything pass
+    vec3 again;       // colour of the layer's multiple scattering, see ggx_multiple_tint
     float roughness;  // of the layer
 };
 
 FN bool coated_is_smooth(const_in(Coated) c) { return ggx_alpha(c.roughness) < GGX_ALPHA_DELTA; }
 
+// Cosine-weighted mean of Schlick's Fresnel over the hemisphere.
+FN vec3 schlick_average(vec3 f0) { return mix(f0, vec3(1.0f), 1.0f / 21.0f); }
+
 FN float coated_layer_albedo(float f0, float roughness, float mu) {
     if (ggx_alpha(roughness) < GGX_ALPHA_DELTA) return mix(f0, 1.0f, schlick_weight(mu));
     float missing = ggx_missing(roughness, mu);
-    vec3 tint = ggx_multiple_tint(vec3(mix(f0, 1.0f, 1.0f / 21.0f)), roughness);
+    vec3 tint = ggx_multiple_tint(schlick_average(vec3(f0)), roughness);
     return min(mix(ggx_schlick_part(roughness, mu, missing), 1.0f - missing, f0) + tint.x * missing, 1.0f);
 }
 FN float coated_layer_albedo_average(float f0, float roughness) {
     if (ggx_alpha(roughness) < GGX_ALPHA_DELTA) return mix(f0, 1.0f, 1.0f / 21.0f);
     float missing = ggx_missing_average(roughness);
-    vec3 tint = ggx_multiple_tint(vec3(mix(f0, 1.0f, 1.0f / 21.0f)), roughness);
+    vec3 tint = ggx_multiple_tint(schlick_average(vec3(f0)), roughness);
     return mix(ggx_schlick_part_average(roughness), 1.0f - missing, f0) + tint.x * missing;
 }
 
@@ -53,9 +57,8 @@ FN CoatedMatte coated_matte(const_in(Coated) c, vec3 wo, float mu_i) {
     vec3 expected = c.base * through_o;
     if (!coated_is_smooth(c)) {
         float missing = ggx_missing(c.roughness, wo.z);
-        vec3 tint = ggx_multiple_tint(mix(c.f0, vec3(1.0f), 1.0f / 21.0f), c.roughness);
-        value += tint * ggx_multiple(c.roughness, missing, mu_i);
-        expected += tint * missing;
+        value += c.again * ggx_multiple(c.roughness, missing, mu_i);
+        expected += c.again * missing;
     }
     float specular = average(coated_specular_albedo(c, wo.z));
     float total = specular + average(expected);

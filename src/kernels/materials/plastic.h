@@ -17,7 +17,7 @@ FN Coated plastic_layers(const_in(Bsdf) b) {
     // Of diffuse light that comes up from the base, the coat lets T_average / n² out and reflects the rest.
     float out_share = (1.0f - coated_layer_albedo_average(f0, b.roughness)) / (b.ior * b.ior);
     vec3 base = b.color * out_share / (vec3(1.0f) - b.color * (1.0f - out_share));
-    return Coated(vec3(f0), f0, base, b.roughness);
+    return Coated(vec3(f0), f0, base, ggx_multiple_tint(schlick_average(vec3(f0)), b.roughness), b.roughness);
 }
 
 FN vec4 plastic_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {

@@ -15,7 +15,9 @@ FN void principled_make(inout(Bsdf) b) {
 
 FN Coated principled_layers(const_in(Bsdf) b) {
     float f0 = fresnel_f0(b.ior);
-    return Coated(mix(vec3(f0), b.color, b.metallic), f0, b.color * (1.0f - b.metallic), b.roughness);
+    vec3 again = mix(ggx_multiple_tint(schlick_average(vec3(f0)), b.roughness),
+                     ggx_multiple_tint(schlick_average(b.color), b.roughness), b.metallic);
+    return Coated(mix(vec3(f0), b.color, b.metallic), f0, b.color * (1.0f - b.metallic), again, b.roughness);
 }
 
 FN vec4 principled_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
