@@ -85,6 +85,7 @@ const Record* JsonReader::select(const JsonValue& value, const Family& family, c
 void JsonReader::field(const JsonValue& value, const Field& row, void* target, const std::string& what) {
     char* const member = static_cast<char*>(target) + row.offset;
     const std::string where = in(row.name, what);
+    if (row.texture && (value.text() || value.object())) return texture(value, row, target, what);
     // The member's type is that of the row's kind: field() in scene_fields.h sees to it.
     const auto store = [&](const auto& result) {
         if (result) *reinterpret_cast<std::remove_cvref_t<decltype(*result)>*>(member) = *result;
@@ -92,6 +93,10 @@ void JsonReader::field(const JsonValue& value, const Field& row, void* target, c
     switch (row.kind) {
         case FieldKind::boolean:
             if (value.boolean()) *reinterpret_cast<bool*>(member) = *value.boolean();
+            else fail(value, where + " must be true or false, not " + value.description());
+            break;
+        case FieldKind::flag:
+            if (value.boolean()) *reinterpret_cast<kernels::uint*>(member) = *value.boolean() ? 1 : 0;
             else fail(value, where + " must be true or false, not " + value.description());
             break;
         case FieldKind::integer: store(integer(value, row.range, where)); break;
@@ -120,6 +125,35 @@ void JsonReader::field(const JsonValue& value, const Field& row, void* target, c
         case FieldKind::size3: store(size(value, where)); break;
         case FieldKind::by_hand: break;
     }
+}
+
+// "name", or {"texture": "name", "factor": a value of the row's kind}; without a factor the texture counts as
+// it is.
+void JsonReader::texture(const JsonValue& value, const Field& row, void* target, const std::string& what) {
+    const std::string where = in(row.name, what);
+    char* const record = static_cast<char*>(target);
+    const JsonValue* name = &value;
+    const JsonValue* factor = nullptr;
+    if (value.object()) {
+        for (const JsonMember& member : *value.object())
+            if (member.key != "texture" && member.key != "factor")
+                fail(member.offset,
+                     "unknown key " + quoted(member.key) + " in " + where + "; allowed: texture, factor");
+        name = value.find("texture");
+        factor = value.find("factor");
+        if (!name) return fail(value, where + " needs \"texture\"");
+    }
+    if (factor) {
+        Field number = row;
+        number.texture.reset();
+        field(*factor, number, target, what);
+    } else if (row.kind == FieldKind::color) {
+        *reinterpret_cast<vec3*>(record + row.offset) = vec3(1);
+    } else {
+        *reinterpret_cast<float*>(record + row.offset) = 1;
+    }
+    const int index = textures ? reference(*name, *textures, where) : -1;
+    if (index >= 0) *reinterpret_cast<kernels::uint*>(record + *row.texture) = kernels::uint(index);
 }
 
 std::optional<double> JsonReader::number(const JsonValue& value, const Range& range,

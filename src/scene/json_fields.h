@@ -34,6 +34,8 @@ class JsonReader {
     void fail(std::size_t offset, const std::string& message);
     const std::optional<Error>& error() const { return error_; }
 
+    const NameTable* textures = nullptr;  // those that rows with a texture may name
+
     // Checks keys (none unknown, none missing) and reads the rows that have a member into `target`, an
     // instance of the record's struct. `what` names the thing in messages: `material "gold"`. False if
     // `value` is no object.
@@ -66,6 +68,8 @@ class JsonReader {
                   const std::function<void(const JsonValue&, std::size_t)>& element);
 
   private:
+    void texture(const JsonValue& value, const Field& field, void* target, const std::string& what);
+
     const JsonDocument& document_;
     std::optional<Error> error_;
 };

@@ -205,6 +205,7 @@ Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path
     Scene scene;
     JsonReader json(*document);
     JsonContext context{json, loaders, file.parent_path(), scene};
+    json.textures = &context.textures;
     read_scene(context, document->root);
     if (json.error()) return *json.error();
     if (const Result<void> valid = validate(scene); !valid)

@@ -22,6 +22,7 @@ OrderedJson json_value(const Field& field, const void* record) {
     };
     switch (field.kind) {
         case FieldKind::boolean: return *reinterpret_cast<const bool*>(member);
+        case FieldKind::flag: return *reinterpret_cast<const kernels::uint*>(member) != 0;
         case FieldKind::integer: return *reinterpret_cast<const int*>(member);
         case FieldKind::number: return json_number(*reinterpret_cast<const float*>(member));
         case FieldKind::text: return *reinterpret_cast<const std::string*>(member);

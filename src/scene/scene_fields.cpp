@@ -71,7 +71,9 @@ const Record& integrator_record() {
                   "Name of the integrator, as `spinel list integrators` prints it."),
             field("spp", &IntegratorSettings::spp, "Samples per pixel.", {1, 1 << 30}),
             field("max_bounces", &IntegratorSettings::max_bounces,
-                  "Longest path; 0: unlimited, Russian roulette alone ends a path.", {0, 1 << 30}),
+                  "Scattering events of a path; 0: only light that is seen directly; −1: Russian roulette "
+                  "alone ends it.",
+                  {-1, 1 << 30}),
         });
     return table;
 }

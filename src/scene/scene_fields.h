@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +30,7 @@ inline constexpr Range unit_interval{0, 1};
 
 enum class FieldKind {
     boolean,  // bool
+    flag,     // kernels::uint, 0 or 1; true or false in the file
     integer,  // int
     number,   // float
     text,     // std::string
@@ -51,7 +53,7 @@ struct Field {
     bool required = false;
     std::span<const std::string_view> choices = {};
     std::string_view shape = {};
-    bool texture = false;  // the name of a texture may stand here
+    std::optional<std::size_t> texture = {};  // offset of the index (uint) of a texture that may multiply it
 };
 
 // What one "type" of a family holds, or a record that has no types.

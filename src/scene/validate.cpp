@@ -326,7 +326,7 @@ Result<void> validate(const Scene& scene) {
     };
     if (const Fault f = fault(scene.film)) return error("film", f);
     if (scene.integrator.spp < 1) return Error{"integrator needs at least 1 sample per pixel"};
-    if (scene.integrator.max_bounces < 0) return Error{"integrator has a negative max_bounces"};
+    if (scene.integrator.max_bounces < -1) return Error{"integrator has max_bounces below −1"};
     if (const Fault f = fault(scene.environment)) return error("environment", f);
     if (auto result = each("camera", scene.cameras); !result) return result;
     if (auto result = each("texture", scene.textures); !result) return result;

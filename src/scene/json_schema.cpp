@@ -1,0 +1,325 @@
+#include "scene/json_schema.h"
+
+#include <cmath>
+
+#include "geometry/sdf/sdf_ops.h"
+#include "scene/json_values.h"
+#include "scene/material_fields.h"
+#include "scene/material_registry.h"
+#include "scene/number_text.h"
+#include "scene/scene_fields.h"
+
+namespace spinel {
+namespace {
+
+OrderedJson reference_to(std::string_view definition) {
+    return {{"$ref", "#/definitions/" + std::string(definition)}};
+}
+
+OrderedJson bounded(std::string_view type, const Range& range) {
+    OrderedJson schema = {{"type", type}};
+    if (std::isfinite(range.lower))
+        schema[range.open ? "exclusiveMinimum" : "minimum"] = json_number(float(range.lower));
+    if (std::isfinite(range.upper))
+        schema[range.open ? "exclusiveMaximum" : "maximum"] = json_number(float(range.upper));
+    return schema;
+}
+
+OrderedJson array_of(OrderedJson items, int count = 0) {
+    OrderedJson schema = {{"type", "array"}, {"items", std::move(items)}};
+    if (count) schema["minItems"] = schema["maxItems"] = count;
+    return schema;
+}
+
+OrderedJson name() { return {{"type", "string"}, {"minLength", 1}}; }
+
+OrderedJson closed_object(OrderedJson properties, std::vector<std::string> required) {
+    return {{"type", "object"},
+            {"properties", std::move(properties)},
+            {"required", std::move(required)},
+            {"additionalProperties", false}};
+}
+
+OrderedJson field_schema(const Field& field, const void* defaults) {
+    OrderedJson schema;
+    switch (field.kind) {
+        case FieldKind::boolean:
+        case FieldKind::flag: schema = {{"type", "boolean"}}; break;
+        case FieldKind::integer: schema = bounded("integer", field.range); break;
+        case FieldKind::number: schema = bounded("number", field.range); break;
+        case FieldKind::text: schema = name(); break;
+        case FieldKind::choice:
+            schema = {{"enum", std::vector<std::string>(field.choices.begin(), field.choices.end())}};
+            break;
+        case FieldKind::vec2: schema = array_of(bounded("number", field.range), 2); break;
+        case FieldKind::vec3: schema = array_of(bounded("number", field.range), 3); break;
+        case FieldKind::color: {
+            const OrderedJson number = bounded("number", field.range);
+            schema["anyOf"] = OrderedJson::array({number, array_of(number, 3)});
+            break;
+        }
+        case FieldKind::size2: schema = array_of(bounded("integer", field.range), 2); break;
+        case FieldKind::size3: schema = array_of(bounded("integer", field.range), 3); break;
+        case FieldKind::by_hand:
+            return {{"allOf", OrderedJson::array({reference_to(field.shape)})}, {"description", field.doc}};
+    }
+    if (field.texture) {
+        const OrderedJson factor = schema;
+        if (!schema.contains("anyOf")) schema = {{"anyOf", OrderedJson::array({factor})}};
+        schema["anyOf"].push_back(name());
+        schema["anyOf"].push_back(closed_object({{"texture", name()}, {"factor", factor}}, {"texture"}));
+    }
+    schema["description"] =
+        std::string(field.doc) + (field.unit.empty() ? "" : " Unit: " + std::string(field.unit) + ".");
+    if (defaults && !field.required) schema["default"] = json_value(field, defaults);
+    return schema;
+}
+
+OrderedJson record_schema(const Record& record, bool type_required) {
+    OrderedJson schema = {{"type", "object"}, {"description", record.doc}};
+    OrderedJson properties = OrderedJson::object(), required = OrderedJson::array();
+    if (!record.type.empty()) {
+        properties["type"] = {{"const", record.type}};
+        if (type_required) required.push_back("type");
+    }
+    for (const Field& field : record.fields) {
+        properties[std::string(field.name)] = field_schema(field, record.defaults);
+        if (field.required) required.push_back(field.name);
+    }
+    schema["properties"] = std::move(properties);
+    if (!required.empty()) schema["required"] = std::move(required);
+    schema["additionalProperties"] = false;
+    return schema;
+}
+
+OrderedJson family_schema(const Family& family) {
+    OrderedJson alternatives = OrderedJson::array();
+    for (const Record& record : family.records)
+        alternatives.push_back(record_schema(record, record.type != family.default_type));
+    return {{"oneOf", std::move(alternatives)}};
+}
+
+OrderedJson by_name(std::string_view definition) {
+    return {{"type", "object"},
+            {"propertyNames", {{"minLength", 1}}},
+            {"additionalProperties", reference_to(definition)}};
+}
+
+OrderedJson transform_schema() {
+    const OrderedJson number = {{"type", "number"}}, triple = array_of(number, 3);
+    const OrderedJson factor = {{"anyOf", OrderedJson::array({number, triple})}};
+    const OrderedJson rotation = closed_object({{"axis", triple}, {"degrees", number}}, {"axis", "degrees"});
+    const OrderedJson step = {
+        {"oneOf", OrderedJson::array({closed_object({{"scale", factor}}, {"scale"}),
+                                      closed_object({{"rotate", rotation}}, {"rotate"}),
+                                      closed_object({{"translate", triple}}, {"translate"})})}};
+    return {{"anyOf", OrderedJson::array({array_of(step), array_of(number, 12), array_of(number, 16)})}};
+}
+
+OrderedJson sdf_node_schema() {
+    OrderedJson alternatives = OrderedJson::array();
+    for (const SdfOperation& operation : sdf_operations()) {
+        OrderedJson properties = {{"op", {{"const", operation.name}}}};
+        std::vector<std::string> required = {"op"};
+        for (const SdfParameter& parameter : operation.parameters) {
+            OrderedJson schema = bounded("number", {parameter.minimum, parameter.maximum});
+            schema["description"] = parameter.doc;
+            if (parameter.fallback) schema["default"] = json_number(*parameter.fallback);
+            else required.emplace_back(parameter.name);
+            properties[std::string(parameter.name)] = std::move(schema);
+        }
+        if (operation.child_maximum > 0) {
+            OrderedJson args = array_of(reference_to("sdf_node"));
+            args["minItems"] = operation.child_minimum;
+            if (operation.child_maximum != SDF_ANY_COUNT) args["maxItems"] = operation.child_maximum;
+            properties["args"] = std::move(args);
+            if (operation.child_minimum > 0) required.push_back("args");
+        }
+        alternatives.push_back(closed_object(std::move(properties), std::move(required)));
+        alternatives.back()["description"] = operation.doc;
+    }
+    return {{"oneOf", std::move(alternatives)}};
+}
+
+// The values that are read by hand, by the names that rows give as their shape.
+OrderedJson definitions() {
+    const OrderedJson number = {{"type", "number"}}, index = {{"type", "integer"}, {"minimum", 0}};
+    const OrderedJson slot = {{"anyOf", OrderedJson::array({name(), {{"type", "null"}}})}};
+    OrderedJson slots = array_of(slot);
+    slots["minItems"] = 1;
+    OrderedJson d;
+    d["version"] = {{"const", 1}};
+    d["text"] = d["path"] = d["reference"] = name();
+    std::vector<std::string_view> presets;
+    for (const MaterialInfo& info : material_infos())
+        for (const MaterialPreset& preset : info.presets) presets.push_back(preset.name);
+    d["preset"] = {{"enum", presets}};
+    d["number_list"] = array_of(bounded("number", non_negative));
+    d["vec2_list"] = array_of(array_of(number, 2));
+    d["vec3_list"] = array_of(array_of(number, 3));
+    d["index_list"] = array_of(index);
+    d["index3_list"] = array_of(array_of(index, 3));
+    d["size3"] = array_of(bounded("integer", {1, 65536}), 3);
+    d["layers"] = array_of(array_of({{"type", "string"}, {"pattern", "^[. 1-9a-z]+$"}}));
+    d["filter"] = {{"enum", {"nearest", "linear"}}};
+    d["bounds"] = array_of(array_of(number, 3), 2);
+    d["sdf_node"] = sdf_node_schema();
+    d["sdf"] = {{"anyOf", OrderedJson::array({name(), reference_to("sdf_node")})}};
+    d["transform"] = transform_schema();
+    d["material_slots"] = {{"anyOf", OrderedJson::array({name(), {{"type", "null"}}, slots})}};
+    d["camera"] = family_schema(camera_family());
+    d["film"] = record_schema(film_record(), false);
+    d["integrator"] = record_schema(integrator_record(), false);
+    d["environment"] = family_schema(environment_family());
+    d["texture"] = family_schema(texture_family());
+    d["material"] = family_schema(material_family());
+    d["medium"] = record_schema(medium_record(), false);
+    d["erosion"] = record_schema(erosion_record(), false);
+    d["geometry"] = family_schema(geometry_family());
+    d["geometry_reference"] = {{"anyOf", OrderedJson::array({name(), reference_to("geometry")})}};
+    d["object"] = record_schema(object_record(), false);
+    d["light"] = family_schema(light_family());
+    d["expected"] = record_schema(expected_record(), false);
+    d["cameras"] = by_name("camera");
+    d["textures"] = by_name("texture");
+    d["materials"] = by_name("material");
+    d["media"] = by_name("medium");
+    d["geometries"] = by_name("geometry");
+    d["objects"] = array_of(reference_to("object"));
+    d["lights"] = array_of(reference_to("light"));
+    return d;
+}
+
+// ------------------------------------------------------------------------------------------------ the
+// reference page
+std::string type_text(const Field& field) {
+    std::string text;
+    switch (field.kind) {
+        case FieldKind::boolean:
+        case FieldKind::flag: text = "true or false"; break;
+        case FieldKind::integer: text = "whole number"; break;
+        case FieldKind::number: text = "number"; break;
+        case FieldKind::text: text = "text"; break;
+        case FieldKind::choice:
+            for (const std::string_view choice : field.choices)
+                text += (text.empty() ? "`" : ", `") + std::string(choice) + "`";
+            break;
+        case FieldKind::vec2: text = "[x, y]"; break;
+        case FieldKind::vec3: text = "[x, y, z]"; break;
+        case FieldKind::color: text = "number or [r, g, b]"; break;
+        case FieldKind::size2: text = "[width, height]"; break;
+        case FieldKind::size3: text = "[x, y, z], whole"; break;
+        case FieldKind::by_hand: {
+            static const std::pair<std::string_view, std::string_view> words[] = {
+                {"version", "1"},
+                {"text", "text"},
+                {"path", "path"},
+                {"reference", "name"},
+                {"preset", "name of a preset"},
+                {"number_list", "list of numbers"},
+                {"vec2_list", "list of [u, v]"},
+                {"vec3_list", "list of [x, y, z]"},
+                {"index_list", "list of whole numbers"},
+                {"index3_list", "list of [a, b, c]"},
+                {"size3", "[x, y, z], whole"},
+                {"layers", "list of lists of text"},
+                {"filter", "`nearest`, `linear`"},
+                {"bounds", "two corners"},
+                {"sdf", "text or tree"},
+                {"transform", "list"},
+                {"material_slots", "name, null or list"},
+                {"geometry_reference", "name or geometry"},
+            };
+            for (const auto& [shape, word] : words)
+                if (shape == field.shape) return std::string(word);
+            return "see [" + std::string(field.shape) + "](#" + std::string(field.shape) + ")";
+        }
+    }
+    return field.texture ? text + ", or a texture" : text;
+}
+
+std::string row_text(const Field& field, const void* defaults) {
+    std::string range, preset;
+    if (field.kind != FieldKind::by_hand) {
+        range = range_text(field.range) == "any" ? "" : range_text(field.range);
+        if (defaults && !field.required) preset = json_value(field, defaults).dump();
+    }
+    if (field.required) preset = "required";
+    return "| `" + std::string(field.name) + "` | " + type_text(field) + " | " + std::string(field.unit) +
+           " | " + range + " | " + preset + " | " + std::string(field.doc) + " |\n";
+}
+
+std::string table(const Record& record) {
+    if (record.fields.empty()) return "No keys.\n\n";
+    std::string text = "| Key | Value | Unit | Range | Default | |\n|---|---|---|---|---|---|\n";
+    for (const Field& field : record.fields) text += row_text(field, record.defaults);
+    return text + "\n";
+}
+
+std::string section(std::string_view title, const Record& record) {
+    return "### " + std::string(title) + "\n\n" + std::string(record.doc) + "\n\n" + table(record);
+}
+
+std::string section(std::string_view title, const Family& family) {
+    std::string text = "### " + std::string(title) + "\n\n";
+    for (const Record& record : family.records) {
+        const bool implied = record.type == family.default_type;
+        text += "#### `\"type\": \"" + std::string(record.type) + "\"`" +
+                (implied ? " (without a type, too)" : "") + "\n\n" + std::string(record.doc) + "\n\n" +
+                table(record);
+    }
+    return text;
+}
+
+std::string preset_section() {
+    std::string text = "#### Presets\n\n";
+    for (const MaterialInfo& info : material_infos()) {
+        if (info.presets.empty()) continue;
+        text += "Of `" + std::string(info.name) + "`: ";
+        for (const MaterialPreset& preset : info.presets)
+            text += (&preset == info.presets.data() ? "`" : ", `") + std::string(preset.name) + "`";
+        text += ".\n\n";
+    }
+    return text;
+}
+
+std::string sdf_section() {
+    std::string text =
+        "### SDF operations\n\nAs text, parameters come first, then children: the examples. As a tree, `op` "
+        "names the "
+        "operation, parameters are keys, `args` lists the children.\n\n"
+        "| `op` | Parameters | Children | | Example |\n|---|---|---|---|---|\n";
+    for (const SdfOperation& operation : sdf_operations()) {
+        std::string parameters, children = std::to_string(operation.child_minimum);
+        for (const SdfParameter& parameter : operation.parameters) {
+            parameters += (parameters.empty() ? "`" : ", `") + std::string(parameter.name) + "`";
+            if (parameter.fallback) parameters += " = " + number_text(*parameter.fallback);
+        }
+        if (operation.child_maximum == SDF_ANY_COUNT) children += " or more";
+        text += "| `" + std::string(operation.name) + "` | " + parameters + " | " + children + " | " +
+                std::string(operation.doc) + " | `" + std::string(operation.example) + "` |\n";
+    }
+    return text + "\n";
+}
+
+}  // namespace
+
+std::string scene_schema() {
+    OrderedJson schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Spinel scene"}};
+    schema.update(record_schema(scene_record(), false));
+    schema["not"] = {{"required", {"camera", "cameras"}}};
+    schema["definitions"] = definitions();
+    return schema.dump(2) + "\n";
+}
+
+std::string scene_reference() {
+    return section("The file", scene_record()) + section("camera", camera_family()) +
+           section("film", film_record()) + section("integrator", integrator_record()) +
+           section("environment", environment_family()) + section("textures", texture_family()) +
+           section("materials", material_family()) + preset_section() + section("media", medium_record()) +
+           section("erosion", erosion_record()) + section("geometries", geometry_family()) + sdf_section() +
+           section("objects", object_record()) + section("lights", light_family()) +
+           section("expected", expected_record());
+}
+
+}  // namespace spinel
