@@ -100,7 +100,14 @@ class MeshLoader {
 
     Result<void> make_materials() {
         MeshTextures textures(path_, *source_, scene_);
+        std::vector<bool> used(source_->mNumMaterials, false);
+        for (unsigned m = 0; m < source_->mNumMeshes; ++m)
+            if (source_->mMeshes[m]->mMaterialIndex < used.size())
+                used[source_->mMeshes[m]->mMaterialIndex] = true;
+        uv_sets_.assign(used.size(), 0);
+        material_of_.assign(used.size(), -1);
         for (unsigned m = 0; m < source_->mNumMaterials; ++m) {
+            if (!used[m]) continue;
             const GltfExtras::MaterialExtras* extras = nullptr;
             if (gltf_) {
                 const auto found = gltf_->materials.find(m);
@@ -108,8 +115,9 @@ class MeshLoader {
             }
             Result<Material> material = mesh_material(*source_->mMaterials[m], extras, textures);
             if (!material) return material.error();
+            material_of_[m] = int(scene_.materials.size());
+            uv_sets_[m] = textures.uv_set().value_or(0);
             scene_.materials.push_back(std::move(*material));
-            uv_sets_.push_back(textures.uv_set().value_or(0));
         }
         return {};
     }
@@ -219,11 +227,11 @@ class MeshLoader {
         return {};
     }
 
-    // Of a mesh without a material of its own but with vertex colours, white: the colours are all there is.
     int material_of(const aiMesh& mesh) {
-        if (mesh.mMaterialIndex >= scene_.materials.size()) return int(mesh.mMaterialIndex);
-        if (!mesh.HasVertexColors(0) || scene_.materials[mesh.mMaterialIndex].name != "default")
-            return int(mesh.mMaterialIndex);
+        const int own = mesh.mMaterialIndex < material_of_.size() ? material_of_[mesh.mMaterialIndex] : -1;
+        const bool none = own < 0 || scene_.materials[std::size_t(own)].name == "default";
+        if (own >= 0 && !(none && mesh.HasVertexColors(0))) return own;
+        // Vertex colours without a material are all there is to see: on white.
         if (white_ < 0) {
             white_ = int(scene_.materials.size());
             kernels::Material white = default_material(kernels::MATERIAL_DIFFUSE);
@@ -286,6 +294,7 @@ class MeshLoader {
     const aiScene* source_ = nullptr;  // the importer's
     Scene scene_;
     std::vector<unsigned> uv_sets_;  // of each of the file's materials
+    std::vector<int> material_of_;   // of each of the file's materials; −1: no mesh uses it
     std::vector<int> geometry_of_;   // of each of the file's meshes; −1: it has no triangle
     int white_ = -1;
 };

@@ -63,6 +63,12 @@ struct Maker {
             values.emission_texture = texture(aiTextureType_EMISSIVE, TextureRole::color);
     }
 
+    // glTF keeps roughness and metallic in one picture; a format with two keeps them apart.
+    bool packed() const { return source.GetTextureCount(aiTextureType_UNKNOWN) > 0; }
+    std::uint32_t roughness_map() {
+        return texture(packed() ? aiTextureType_UNKNOWN : aiTextureType_DIFFUSE_ROUGHNESS, TextureRole::data);
+    }
+
     void normal_map() {
         values.normal_texture = texture(aiTextureType_NORMALS, TextureRole::data);
         values.normal_scale =
@@ -71,7 +77,7 @@ struct Maker {
 
     void glass(float ior) {
         values = default_material(kernels::MATERIAL_DIELECTRIC);
-        values.ior = std::clamp(ior, 1.0f, 4.0f);
+        values.ior = std::clamp(ior, 1.0f, 3.0f);
     }
 };
 
@@ -88,7 +94,10 @@ void make_metallic_roughness(Maker& maker, const GltfExtras::MaterialExtras& ext
 
     if (fraction(source, AI_MATKEY_TRANSMISSION_FACTOR).value_or(0.0f) >= 0.5f) {
         maker.glass(extras.ior);
+        maker.values.color = reflectance(*base);
+        maker.values.color_texture = maker.texture(base_color_type(source), TextureRole::color);
         maker.values.roughness = roughness;
+        maker.values.roughness_texture = maker.roughness_map();
         const float distance = number(source, AI_MATKEY_VOLUME_ATTENUATION_DISTANCE).value_or(0.0f);
         const auto attenuation = color(source, AI_MATKEY_VOLUME_ATTENUATION_COLOR);
         if (distance > 0 && attenuation)  // the colour that white light has after the distance
@@ -101,14 +110,11 @@ void make_metallic_roughness(Maker& maker, const GltfExtras::MaterialExtras& ext
     maker.values.color = reflectance(*base);
     maker.values.roughness = roughness;
     maker.values.metallic = fraction(source, AI_MATKEY_METALLIC_FACTOR).value_or(1.0f);
-    maker.values.ior = std::clamp(extras.ior, 1.0f, 4.0f);
+    maker.values.ior = std::clamp(extras.ior, 1.0f, 3.0f);
     maker.values.color_texture = maker.texture(base_color_type(source), TextureRole::color);
-    // glTF keeps both in one picture; a format with two keeps them apart.
-    const bool packed = source.GetTextureCount(aiTextureType_UNKNOWN) > 0;
-    maker.values.roughness_texture =
-        maker.texture(packed ? aiTextureType_UNKNOWN : aiTextureType_DIFFUSE_ROUGHNESS, TextureRole::data);
+    maker.values.roughness_texture = maker.roughness_map();
     maker.values.metallic_texture =
-        maker.texture(packed ? aiTextureType_UNKNOWN : aiTextureType_METALNESS, TextureRole::data);
+        maker.texture(maker.packed() ? aiTextureType_UNKNOWN : aiTextureType_METALNESS, TextureRole::data);
     maker.normal_map();
     maker.emission(extras.emissive_strength);
 

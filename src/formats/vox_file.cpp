@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 32;
 constexpr int MAX_EDGE = 2048;
+// What a writer that does not go back to fill it in leaves as the size of MAIN: all chunks to the file's end.
+constexpr std::uint32_t SIZE_UNKNOWN = 0x7fffff;
 
 using Dictionary = std::map<std::string, std::string>;
 
@@ -77,8 +79,10 @@ class Parser {
         if (version != 150 && version != 200)
             return "its version is " + std::to_string(version) + ", readable are 150 and 200";
         if (reader.take(4) != "MAIN") return at_byte(8) + "there is no MAIN chunk";
-        const std::uint32_t content = reader.u32(), children = reader.u32();
+        const std::uint32_t content = reader.u32();
+        std::uint32_t children = reader.u32();
         reader.take(content);
+        if (reader.ok() && children == SIZE_UNKNOWN) children = std::uint32_t(reader.remaining());
         if (!reader.ok() || children > reader.remaining())
             return at_byte(12) + "MAIN announces " + std::to_string(children) +
                    " bytes of chunks, the file has " + std::to_string(reader.remaining());

@@ -31,11 +31,10 @@ float fraction(const Properties& properties, const char* key, float otherwise) {
     return std::clamp(number(properties, key, otherwise), 0.0f, 1.0f);
 }
 
-// `_ri` is the index itself, `_ior` lies one below it.
+// `_ri` is the index itself, `_ior` lies one below it (0 … 1); some writers put the index itself there too.
 float index_of_refraction(const Properties& properties) {
     const float above_one = number(properties, "_ior", 0.3f);
-    return std::clamp(number(properties, "_ri", above_one >= 1.0f ? above_one : 1.0f + above_one), 1.0f,
-                      3.0f);
+    return std::clamp(number(properties, "_ri", above_one > 1.0f ? above_one : 1.0f + above_one), 1.0f, 3.0f);
 }
 
 // The palette's colour is that of light scattered once; `_d` is the extinction per voxel.
