@@ -213,6 +213,7 @@ std::string type_text(const Field& field) {
             static const std::pair<std::string_view, std::string_view> words[] = {
                 {"version", "1"},
                 {"text", "text"},
+                {"cameras", "[cameras](#camera) by name"},
                 {"path", "path"},
                 {"reference", "name"},
                 {"preset", "name of a preset"},
@@ -260,15 +261,30 @@ std::string section(std::string_view title, const Record& record) {
     return "### " + std::string(title) + "\n\n" + std::string(record.doc) + "\n\n" + table(record);
 }
 
+std::string heading(const Record& record, const Family& family) {
+    const bool implied = record.type == family.default_type;
+    return "#### `\"type\": \"" + std::string(record.type) + "\"`" + (implied ? " (the default)" : "") +
+           "\n\n" + std::string(record.doc) + "\n\n";
+}
+
 std::string section(std::string_view title, const Family& family) {
     std::string text = "### " + std::string(title) + "\n\n";
-    for (const Record& record : family.records) {
-        const bool implied = record.type == family.default_type;
-        text += "#### `\"type\": \"" + std::string(record.type) + "\"`" +
-                (implied ? " (without a type, too)" : "") + "\n\n" + std::string(record.doc) + "\n\n" +
-                table(record);
-    }
+    for (const Record& record : family.records) text += heading(record, family) + table(record);
     return text;
+}
+
+// What all materials have in common stands in a table of its own.
+std::string material_section() {
+    const Family& family = material_family();
+    std::string text = "### materials\n\n";
+    Record common{"", "", {}, family.records.front().defaults};
+    for (const Field& field : family.records.front().fields)
+        if (is_common_material_field(field.name)) common.fields.push_back(field);
+    for (Record record : family.records) {
+        std::erase_if(record.fields, [](const Field& field) { return is_common_material_field(field.name); });
+        text += heading(record, family) + table(record);
+    }
+    return text + "#### Every material\n\n" + table(common);
 }
 
 std::string preset_section() {
@@ -316,7 +332,7 @@ std::string scene_reference() {
     return section("The file", scene_record()) + section("camera", camera_family()) +
            section("film", film_record()) + section("integrator", integrator_record()) +
            section("environment", environment_family()) + section("textures", texture_family()) +
-           section("materials", material_family()) + preset_section() + section("media", medium_record()) +
+           material_section() + preset_section() + section("media", medium_record()) +
            section("erosion", erosion_record()) + section("geometries", geometry_family()) + sdf_section() +
            section("objects", object_record()) + section("lights", light_family()) +
            section("expected", expected_record());

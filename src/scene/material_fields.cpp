@@ -59,4 +59,10 @@ const Family& material_family() {
     return family;
 }
 
+bool is_common_material_field(std::string_view name) {
+    for (const MaterialParameter& parameter : common_material_parameters())
+        if (parameter.name == name) return true;
+    return name == "normal_map";
+}
+
 }  // namespace spinel

@@ -9,4 +9,7 @@ namespace spinel {
 // "preset" where there are presets, "interior" of dielectrics, "normal_map".
 const Family& material_family();
 
+// Whether every material has this row, besides its own.
+bool is_common_material_field(std::string_view name);
+
 }  // namespace spinel
