@@ -18,7 +18,7 @@
 // The reading functions need a table; here they read the one in the making.
 namespace spinel::kernels {
 std::vector<uint> MICROFACET_TABLE(1 << 16);
-const uint GGX_MISSING_FIRST = 0, GGX_MISSING_WIDTH = 24, GGX_MISSING_HEIGHT = 24;
+const uint GGX_MISSING_FIRST = 0, GGX_MISSING_WIDTH = 32, GGX_MISSING_HEIGHT = 32;
 const uint GGX_SCHLICK_FIRST = GGX_MISSING_FIRST + GGX_MISSING_WIDTH * GGX_MISSING_HEIGHT;
 const uint GGX_SCHLICK_WIDTH = 16, GGX_SCHLICK_HEIGHT = 16;
 const uint GGX_MISSING_AVERAGE_FIRST = GGX_SCHLICK_FIRST + GGX_SCHLICK_WIDTH * GGX_SCHLICK_HEIGHT;

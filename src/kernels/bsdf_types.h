@@ -21,6 +21,9 @@ struct Bsdf {
     vec3 edge_color;
     float ior;           // of a coat, against what surrounds it
     float relative_ior;  // n_transmitted / n_incident as seen from wo
+    // What a kind works out once for a point, in its _make function (energy: see there):
+    vec3 again;   // colour of the multiple scattering between microfacets
+    vec3 energy;  // means over the hemisphere
 };
 
 const uint LOBE_DELTA = 1u;  // a mirror or a clear interface: `pdf` is the probability of having chosen it

@@ -25,8 +25,9 @@ FN Frame make_frame(vec3 z) {
 FN Frame make_frame_along(vec3 z, vec3 tangent) {
     vec3 x = tangent - dot(tangent, z) * z;
     float length_squared = dot(x, x);
-    if (!(length_squared > 1e-12f * dot(tangent, tangent))) return make_frame(z);
+    if (!(length_squared > 1e-8f * dot(tangent, tangent))) return make_frame(z);
     x *= inversesqrt(length_squared);
+    x = normalize(x - dot(x, z) * z);  // again: a tangent close to z left few digits
     return Frame(x, cross(z, x), z);
 }
 

@@ -62,15 +62,15 @@ FN float ggx_missing_average(float roughness) {
     return microfacet_table_1d(GGX_MISSING_AVERAGE_FIRST, GGX_MISSING_HEIGHT, roughness);
 }
 
-// The lobe over lambert: (1 − E(o)) (1 − E(i)) / (1 − E_average), with missing = 1 − E(o).
-FN float ggx_multiple(float roughness, float missing, float mu_i) {
-    return missing * ggx_missing(roughness, mu_i) / max(ggx_missing_average(roughness), 1e-6f);
+// The lobe over lambert: (1 − E(o)) (1 − E(i)) / (1 − E_average).
+FN float ggx_multiple(float missing_o, float missing_i, float missing_average) {
+    return missing_o * missing_i / max(missing_average, 1e-6f);
 }
 
 // Colour of that lobe: light that bounced at least twice, off microfacets of mean reflectance `fresnel`.
-FN vec3 ggx_multiple_tint(vec3 fresnel, float roughness) {
-    float missing = ggx_missing_average(roughness);
-    return fresnel * fresnel * (1.0f - missing) / max(vec3(1.0f) - fresnel * missing, vec3(1e-6f));
+FN vec3 ggx_multiple_tint(vec3 fresnel, float missing_average) {
+    return fresnel * fresnel * (1.0f - missing_average) /
+           max(vec3(1.0f) - fresnel * missing_average, vec3(1e-6f));
 }
 
 // Albedo of a single bounce with reflectance (1 − o·m)⁵, the other half of Schlick's Fresnel, given missing =

@@ -12,46 +12,38 @@
 #include "../microfacet_energy.h"
 KERNELS_BEGIN
 
-FN void dielectric_make(inout(Bsdf) b) { b.roughness = clamp(b.roughness, 0.0f, 1.0f); }
-
 FN bool dielectric_is_delta(const_in(Bsdf) b) {
     return ggx_alpha(b.roughness) < GGX_ALPHA_DELTA || abs(b.relative_ior - 1.0f) < 1e-3f;
 }
 
-// What is lost by single scattering, and how much of it the compensation transmits.
-struct DielectricMissing {
-    float here;           // lost towards wo
-    float average;        // mean on wo's side …
-    float average_other;  // … and on the other
-    float transmitted;    // share that is transmitted, as flux; the rest is reflected
-};
-FN DielectricMissing dielectric_missing_of(const_in(Bsdf) b, vec3 wo) {
-    float here = dielectric_missing(b.roughness, wo.z, b.relative_ior);
+// energy: mean of what single scattering loses on wo's side (x) and on the other (y); z: the share of it that
+// the compensation transmits, as flux. The rest is reflected.
+FN void dielectric_make(inout(Bsdf) b) {
+    b.roughness = clamp(b.roughness, 0.0f, 1.0f);
+    if (dielectric_is_delta(b)) return;
     float average = max(dielectric_missing_average(b.roughness, b.relative_ior), 1e-6f);
     float other = max(dielectric_missing_average(b.roughness, 1.0f / b.relative_ior), 1e-6f);
-    // Reciprocity (f/n² is symmetric) asks for transmitted · average = η² · transmitted' · average'. Both
-    // sides get at most what a diffuse interface passes: 1 − F_average from the thin side, that over n² from
-    // the dense one.
+    // Reciprocity (f/n² is symmetric) asks for share · average = η² · share' · average'. Both sides get at
+    // most what a diffuse interface passes: 1 − F_average from the thin side, that over n² from the dense
+    // one.
     float n = max(b.relative_ior, 1.0f / b.relative_ior);
     float passed = 1.0f - fresnel_dielectric_average(n);
     float share = (b.relative_ior > 1.0f ? passed : passed / (n * n)) * other / max(average, other);
-    return DielectricMissing(here, average, other, share);
+    b.energy = vec3(average, other, share);
 }
 
-FN vec4 dielectric_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
-    if (wo.z <= 0.0f || wi.z == 0.0f || dielectric_is_delta(b)) return vec4(0.0f);
+FN vec4 dielectric_eval_pdf_missing(const_in(Bsdf) b, vec3 wo, vec3 wi, float missing) {
     float eta = b.relative_ior;
     float alpha = ggx_alpha(b.roughness);
-    DielectricMissing missing = dielectric_missing_of(b, wo);
     float lambert = lambert_pdf(wi);
     if (wi.z > 0.0f) {
         vec3 m = normalize(wo + wi);
         float fresnel = fresnel_dielectric(dot(wo, m), eta);
         vec2 once = ggx_reflection(alpha, wo, wi, m) * fresnel;
-        float share = 1.0f - missing.transmitted;
-        float again = missing.here * dielectric_missing(b.roughness, wi.z, eta) / missing.average * lambert;
+        float share = 1.0f - b.energy.z;
+        float again = ggx_multiple(missing, dielectric_missing(b.roughness, wi.z, eta), b.energy.x) * lambert;
         float value = once.x + share * again;
-        return vec4(vec3(value), mix(once.y, share * lambert, missing.here));
+        return vec4(vec3(value), mix(once.y, share * lambert, missing));
     }
     float once_value = 0.0f;
     float once_pdf = 0.0f;
@@ -69,9 +61,14 @@ FN vec4 dielectric_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
         }
     }
     float again =
-        missing.here * dielectric_missing(b.roughness, -wi.z, 1.0f / eta) / missing.average_other * lambert;
-    float value = (once_value + missing.transmitted * again) / (eta * eta);
-    return vec4(b.color * value, mix(once_pdf, missing.transmitted * lambert, missing.here));
+        ggx_multiple(missing, dielectric_missing(b.roughness, -wi.z, 1.0f / eta), b.energy.y) * lambert;
+    float value = (once_value + b.energy.z * again) / (eta * eta);
+    return vec4(b.color * value, mix(once_pdf, b.energy.z * lambert, missing));
+}
+
+FN vec4 dielectric_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
+    if (wo.z <= 0.0f || wi.z == 0.0f || dielectric_is_delta(b)) return vec4(0.0f);
+    return dielectric_eval_pdf_missing(b, wo, wi, dielectric_missing(b.roughness, wo.z, b.relative_ior));
 }
 
 FN BsdfSample dielectric_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u) {
@@ -83,13 +80,13 @@ FN BsdfSample dielectric_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u)
         vec3 refracted = normalize(vec3(-wo.x / eta, -wo.y / eta, -refracted_cosine(wo.z, eta)));
         return BsdfSample(refracted, b.color / (eta * eta), 1.0f - fresnel, LOBE_DELTA | LOBE_TRANSMISSION);
     }
-    DielectricMissing missing = dielectric_missing_of(b, wo);
+    float missing = dielectric_missing(b.roughness, wo.z, eta);  // as much as goes to the diffuse lobes
     vec3 wi = vec3(0.0f);
-    if (u_lobe < missing.here) {
+    if (u_lobe < missing) {
         wi = square_to_cosine_hemisphere(u);
-        if (u_lobe < missing.here * missing.transmitted) wi.z = -wi.z;
+        if (u_lobe < missing * b.energy.z) wi.z = -wi.z;
     } else {
-        u_lobe = (u_lobe - missing.here) / (1.0f - missing.here);
+        u_lobe = (u_lobe - missing) / (1.0f - missing);
         vec3 m = ggx_sample(ggx_alpha(b.roughness), wo, u);
         float om = dot(wo, m);
         float fresnel = fresnel_dielectric(om, eta);
@@ -101,7 +98,7 @@ FN BsdfSample dielectric_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u)
             if (wi.z >= 0.0f) return bsdf_failed();
         }
     }
-    return bsdf_weighted(wi, dielectric_eval_pdf(b, wo, wi));
+    return bsdf_weighted(wi, dielectric_eval_pdf_missing(b, wo, wi, missing));
 }
 
 FN vec3 dielectric_albedo(const_in(Bsdf) b, vec3 wo) {

@@ -10,18 +10,20 @@
 #include "../microfacet_energy.h"
 KERNELS_BEGIN
 
-// Leaves F0 in b.color and the F82 dip in b.edge_color; both also stand for an exact metal in the multiple
-// scattering.
+// Leaves F0 in b.color and the F82 dip in b.edge_color; both also stand for an exact metal in the mean
+// Fresnel of the multiple scattering. energy.x: mean of what a single bounce loses.
 FN void metal_make(inout(Bsdf) b) {
     b.roughness = clamp(b.roughness, 0.0f, 1.0f);
     if (is_black(b.eta) && is_black(b.k)) {
         b.edge_color = fresnel_f82_dip(b.color, b.edge_color);
-        return;
+    } else {
+        b.color = fresnel_conductor(1.0f, b.eta, b.k);
+        vec3 schlick = b.color + (vec3(1.0f) - b.color) * schlick_weight(1.0f / 7.0f);
+        b.edge_color =
+            fresnel_f82_dip(b.color, fresnel_conductor(1.0f / 7.0f, b.eta, b.k) / max(schlick, vec3(1e-6f)));
     }
-    b.color = fresnel_conductor(1.0f, b.eta, b.k);
-    vec3 schlick = b.color + (vec3(1.0f) - b.color) * schlick_weight(1.0f / 7.0f);
-    b.edge_color =
-        fresnel_f82_dip(b.color, fresnel_conductor(1.0f / 7.0f, b.eta, b.k) / max(schlick, vec3(1e-6f)));
+    b.energy.x = ggx_missing_average(b.roughness);
+    b.again = ggx_multiple_tint(fresnel_f82_average(b.color, b.edge_color), b.energy.x);
 }
 
 FN vec3 metal_fresnel(const_in(Bsdf) b, float cosine) {
@@ -31,31 +33,32 @@ FN vec3 metal_fresnel(const_in(Bsdf) b, float cosine) {
 
 FN bool metal_is_delta(const_in(Bsdf) b) { return ggx_alpha(b.roughness) < GGX_ALPHA_DELTA; }
 
+FN vec4 metal_eval_pdf_missing(const_in(Bsdf) b, vec3 wo, vec3 wi, float missing) {
+    vec3 m = normalize(wo + wi);
+    vec2 once = ggx_reflection(ggx_alpha(b.roughness), wo, wi, m);
+    float lambert = lambert_pdf(wi);
+    float again = ggx_multiple(missing, ggx_missing(b.roughness, wi.z), b.energy.x) * lambert;
+    return vec4(metal_fresnel(b, dot(wo, m)) * once.x + b.again * again, mix(once.y, lambert, missing));
+}
+
 FN vec4 metal_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
     if (wo.z <= 0.0f || wi.z <= 0.0f || metal_is_delta(b)) return vec4(0.0f);
-    float alpha = ggx_alpha(b.roughness);
-    vec3 m = normalize(wo + wi);
-    vec2 once = ggx_reflection(alpha, wo, wi, m);
-    float missing = ggx_missing(b.roughness, wo.z);
-    float lambert = lambert_pdf(wi);
-    float again = ggx_multiple(b.roughness, missing, wi.z) * lambert;
-    vec3 tint = ggx_multiple_tint(fresnel_f82_average(b.color, b.edge_color), b.roughness);
-    vec3 value = metal_fresnel(b, dot(wo, m)) * once.x + tint * again;
-    return vec4(value, mix(once.y, lambert, missing));
+    return metal_eval_pdf_missing(b, wo, wi, ggx_missing(b.roughness, wo.z));
 }
 
 FN BsdfSample metal_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u) {
     if (metal_is_delta(b))
         return BsdfSample(vec3(-wo.x, -wo.y, wo.z), metal_fresnel(b, wo.z), 1.0f, LOBE_DELTA);
+    float missing = ggx_missing(b.roughness, wo.z);  // as much as goes to the second lobe
     vec3 wi = vec3(0.0f);
-    if (u_lobe < ggx_missing(b.roughness, wo.z)) {
+    if (u_lobe < missing) {
         wi = square_to_cosine_hemisphere(u);
     } else {
         vec3 m = ggx_sample(ggx_alpha(b.roughness), wo, u);
         wi = 2.0f * dot(wo, m) * m - wo;
         if (wi.z <= 0.0f) return bsdf_failed();
     }
-    return bsdf_weighted(wi, metal_eval_pdf(b, wo, wi));
+    return bsdf_weighted(wi, metal_eval_pdf_missing(b, wo, wi, missing));
 }
 
 FN vec3 metal_albedo(const_in(Bsdf) b, vec3 wo) { return metal_fresnel(b, wo.z); }

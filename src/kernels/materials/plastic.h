@@ -7,17 +7,21 @@
 #include "coated.h"
 KERNELS_BEGIN
 
+// Leaves in b.color what the base reflects through the coat, internal reflections included.
 FN void plastic_make(inout(Bsdf) b) {
     b.roughness = clamp(b.roughness, 0.0f, 1.0f);
     b.ior = max(b.ior, 1.0f);
+    float f0 = fresnel_f0(b.ior);
+    b.energy = coated_energy(f0, b.roughness);
+    b.again = vec3(b.energy.y);
+    // Of diffuse light that comes up from the base, the coat lets T_average / n² out and reflects the rest.
+    float out_share = b.energy.z / (b.ior * b.ior);
+    b.color = b.color * out_share / (vec3(1.0f) - b.color * (1.0f - out_share));
 }
 
 FN Coated plastic_layers(const_in(Bsdf) b) {
     float f0 = fresnel_f0(b.ior);
-    // Of diffuse light that comes up from the base, the coat lets T_average / n² out and reflects the rest.
-    float out_share = (1.0f - coated_layer_albedo_average(f0, b.roughness)) / (b.ior * b.ior);
-    vec3 base = b.color * out_share / (vec3(1.0f) - b.color * (1.0f - out_share));
-    return Coated(vec3(f0), f0, base, ggx_multiple_tint(schlick_average(vec3(f0)), b.roughness), b.roughness);
+    return Coated(vec3(f0), f0, b.color, b.roughness, b.again, b.energy);
 }
 
 FN vec4 plastic_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {

@@ -11,13 +11,15 @@ FN void principled_make(inout(Bsdf) b) {
     b.roughness = clamp(b.roughness, 0.0f, 1.0f);
     b.metallic = clamp(b.metallic, 0.0f, 1.0f);
     b.ior = max(b.ior, 1.0f);
+    b.energy = coated_energy(fresnel_f0(b.ior), b.roughness);
+    b.again = mix(vec3(b.energy.y), ggx_multiple_tint(schlick_average(b.color), b.energy.x), b.metallic);
 }
 
+// Single scattering is linear in F0, so the mix of a dielectric and a metal is one lobe of mixed F0.
 FN Coated principled_layers(const_in(Bsdf) b) {
     float f0 = fresnel_f0(b.ior);
-    vec3 again = mix(ggx_multiple_tint(schlick_average(vec3(f0)), b.roughness),
-                     ggx_multiple_tint(schlick_average(b.color), b.roughness), b.metallic);
-    return Coated(mix(vec3(f0), b.color, b.metallic), f0, b.color * (1.0f - b.metallic), again, b.roughness);
+    return Coated(mix(vec3(f0), b.color, b.metallic), f0, b.color * (1.0f - b.metallic), b.roughness, b.again,
+                  b.energy);
 }
 
 FN vec4 principled_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
