@@ -79,6 +79,14 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
                 value = min(values.at[op.a], max(d.w, op.data1.w * away));
                 break;
             }
+            case SDF_OP_SKIP_UNION:
+            case SDF_OP_SKIP_SUBTRACT: {
+                value = values.at[op.a];
+                float away = sdf_box(points.at[op.b] - vec3(d.x, d.y, d.z), e);
+                float enough = d.w + (op.op == SDF_OP_SKIP_UNION ? value : -value);
+                if (away > 0.0f && away * op.data1.w >= enough) i += op.target;
+                continue;
+            }
         }
         values.at[op.target] = value;
     }
@@ -179,6 +187,14 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
                 }
                 value = a.w < away.w ? a : away;
                 break;
+            }
+            case SDF_OP_SKIP_UNION:
+            case SDF_OP_SKIP_SUBTRACT: {
+                value = a;
+                float away = sdf_box(points.at[op.b] - d3, e);
+                float enough = d.w + (op.op == SDF_OP_SKIP_UNION ? a.w : -a.w);
+                if (away > 0.0f && away * op.data1.w >= enough) i += op.target;
+                continue;
             }
         }
         values.at[op.target] = value;

@@ -48,6 +48,12 @@ const uint SDF_OP_DISPLACE = 19u;         // V[a] + data0.x · sin·sin·sin(dat
 // geometry/sdf/sdf_analysis.h.
 const uint SDF_OP_FAR = 20u;
 
+// Branch and bound. If P[b] is outside of a box (centre data0.xyz, half edges data1.xyz) and all that the
+// next `target` instructions would fold into V[a] is worth too much to count, they are skipped: the result is
+// the same, exactly.
+const uint SDF_OP_SKIP_UNION = 21u;  // they fold by (smooth) minimum: distance · data1.w ≥ data0.w + V[a]
+const uint SDF_OP_SKIP_SUBTRACT = 22u;  // they are subtracted: distance · data1.w ≥ data0.w − V[a]
+
 FN vec3 sdf_rotate(vec4 q, vec3 p) {
     vec3 axis = vec3(q.x, q.y, q.z);
     return p + 2.0f * cross(axis, cross(axis, p) + q.w * p);

@@ -253,7 +253,37 @@ TEST(SdfBuilder, thousands_of_shapes_fit_into_the_registers) {
     }
     Result<SdfData> data = build_sdf({root, std::nullopt});
     ASSERT_TRUE(data) << data.error().message;
-    for (const kernels::SdfOp& op : data->ops) ASSERT_LT(op.target, 4u);
+    for (const kernels::SdfOp& op : data->ops) {
+        if (op.op < kernels::SDF_OP_SKIP_UNION) { ASSERT_LT(op.target, 4u); }
+    }
+}
+
+TEST(SdfBuilder, skipping_far_groups_changes_no_value) {
+    SdfRandom random(32);
+    auto pebbles = [&](SdfNode node, int count) {
+        for (int i = 0; i < count; i++) {
+            vec3 p = random.in_box(vec3(-4), vec3(4));
+            float r = random.uniform(0.2f, 0.8f);
+            SdfNode pebble{"sphere", {r}, {}};
+            if (i % 3 == 0) pebble = {"rotate", {1, 2, 3, p.x * 90}, {{"box", {r, 2 * r, r}, {}}}};
+            node.children.push_back({"translate", {p.x, p.y, p.z}, {pebble}});
+        }
+        return node;
+    };
+    for (const SdfNode& root :
+         {pebbles({"union", {}, {}}, 300), pebbles({"smooth_union", {0.3f}, {}}, 300),
+          pebbles({"difference", {}, {{"box", {8, 8, 8}, {}}}}, 300),
+          pebbles({"smooth_difference", {0.2f}, {{"box", {8, 8, 8}, {}}}}, 300),
+          SdfNode{"shell", {0.05f}, {{"translate", {1, 2, 3}, {pebbles({"union", {}, {}}, 100)}}}}}) {
+        Result<SdfData> data = build_sdf({root, std::nullopt});
+        ASSERT_TRUE(data) << data.error().message;
+        SdfTestScene scene(root, *std::move(data));
+        for (int i = 0; i < 2000; i++) {
+            vec3 p = random.in_box(scene.lower(), scene.upper());
+            ASSERT_NEAR(scene.distance(p), sdf_reference(root, dvec3(p)), 2e-5) << root.op;
+            ASSERT_NEAR(scene.gradient(p).w, scene.distance(p), 2e-6f) << root.op;
+        }
+    }
 }
 
 TEST(SdfBuilder, chains_of_transforms_become_one_instruction) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -166,9 +167,10 @@ double child_reach(const SdfTree& node) {
     }
 }
 
-// Sethi, Ullman, "The Generation of Optimal Code for Arithmetic Expressions", JACM 17(4), 1970: children
-// evaluated from the most demanding down, beside one register for what has been folded. Smooth folds keep
-// their order.
+// Children are evaluated one after the other beside one register for what has been folded. Minima and maxima
+// start with the most demanding child (Sethi, Ullman, "The Generation of Optimal Code for Arithmetic
+// Expressions", JACM 17(4), 1970), so that balanced trees need few more registers than their depth;
+// differences and smooth folds keep their order.
 kernels::uint registers_needed(const SdfTree& node) {
     const std::vector<SdfTree>& children = node.children;
     kernels::uint op = node.operation->kernel_op;
@@ -176,18 +178,22 @@ kernels::uint registers_needed(const SdfTree& node) {
     if (node.operation->role == SdfRole::repeat)
         return children[0].value_registers + (node.nearest_axes == 7 ? 0 : 1);
     if (node.operation->role != SdfRole::combine) return children[0].value_registers;
-    if (op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_MAX || op == kernels::SDF_OP_SUBTRACT) {
-        kernels::uint most = 0;
-        kernels::uint second = 0;
-        for (const SdfTree& child : children) {
-            second = std::max(second, std::min(most, child.value_registers));
-            most = std::max(most, child.value_registers);
-        }
-        return std::max(most, second + 1);
+    bool commutes = op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_MAX;
+    kernels::uint first = children[0].value_registers;
+    kernels::uint others = 0;
+    for (std::size_t i = 1; i < children.size(); i++) {
+        kernels::uint need = children[i].value_registers;
+        if (commutes && need > first) std::swap(first, need);
+        others = std::max(others, need);
     }
-    kernels::uint need = children[0].value_registers;
-    for (std::size_t i = 1; i < children.size(); i++) need = std::max(need, children[i].value_registers + 1);
-    return need;
+    return std::max(first, others + 1);
+}
+
+double weight_of(const SdfTree& node) {
+    double weight = 1;
+    for (const SdfTree& child : node.children) weight += child.weight;
+    if (node.operation->role == SdfRole::repeat) weight *= std::exp2(3 - std::popcount(node.nearest_axes));
+    return weight;
 }
 
 class Resolver {
@@ -218,6 +224,7 @@ class Resolver {
                 return error;
         }
         if (auto fault = find_support(node)) return Error{fmt::format("{}: {}", path, *fault)};
+        node.weight = weight_of(node);
         node.value_registers = registers_needed(node);
         if (node.value_registers > kernels::SDF_VALUE_REGISTERS) {
             return Error{fmt::format("{}: needs {} value registers, of which there are {}: nest less deeply",

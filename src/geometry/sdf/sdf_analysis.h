@@ -42,7 +42,8 @@ struct SdfTree {
     double least = 0;
     kernels::uint nearest_axes =
         0;  // repeat: bits of axes where the nearest cell is enough; two cells on the others
-    kernels::uint value_registers = 1;  // that the node needs (Sethi, Ullman 1970)
+    kernels::uint value_registers = 1;  // that the node needs
+    double weight = 1;                  // roughly how many instructions it becomes
 };
 
 // Checks every node: operation, numbers, children, depth, count. An error names the node by its path.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "geometry/sdf/sdf_analysis.h"
 
@@ -17,6 +16,7 @@ using glm::dvec4;
 using kernels::SdfOp;
 using kernels::uint;
 
+constexpr double ENDLESS = 1e15;
 constexpr std::size_t MAX_OPS = 4'000'000;  // repeats of repeats multiply
 
 dvec3 rotate(dvec4 q, dvec3 p) {
@@ -204,36 +204,86 @@ class Emitter {
         if (!place.shifts_only()) place = settle(place);
         const std::vector<SdfTree>& children = node.children;
         uint op = node.operation->kernel_op;
-        bool subtracts = op == kernels::SDF_OP_SUBTRACT;
-        vec4 data(node.numbers.empty() ? 0.0f : node.numbers[0], 0, 0, 0);
-
-        std::vector<std::size_t> order(children.size());
-        std::iota(order.begin(), order.end(), std::size_t(0));
-        if (subtracts || op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_MAX) {
-            std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-                return children[a].value_registers > children[b].value_registers;
+        std::vector<const SdfTree*> order;
+        for (const SdfTree& child : children) order.push_back(&child);
+        if (op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_MAX) {
+            auto most = std::max_element(order.begin(), order.end(), [](const SdfTree* a, const SdfTree* b) {
+                return a->value_registers < b->value_registers;
             });
+            std::iter_swap(order.begin(), most);
         }
-        uint total = 0;
-        bool has_base = false;  // of a difference: the first child is in the total
-        for (std::size_t i = 0; i < order.size() && !fault_; i++) {
-            bool last = i + 1 == order.size();
-            bool base = order[i] == 0;
-            uint value = emit(children[order[i]], last ? place : shared(place));
-            if (i == 0) {
-                total = value;
-                has_base = base;
-                continue;
-            }
-            if (subtracts && base) {  // what has been gathered so far is to be taken away
-                add(op, total, value, total, data, vec4(0));
-                has_base = true;
-            } else {
-                add(subtracts && !has_base ? kernels::SDF_OP_MIN : op, total, total, value, data, vec4(0));
-            }
-            values_.release(value);
-        }
+        uint total = emit(*order[0], shared(place));
+        emit_group(node, std::span(order).subspan(1), total, place);
+        release(place);
         return total;
+    }
+
+    // Folds children into the total. A group that costs more than to look at its bounds is skipped where it
+    // lies too far away to count; large groups are halved, along their longest axis where the order of the
+    // fold is free.
+    void emit_group(const SdfTree& node, std::span<const SdfTree*> group, uint total, const Place& place) {
+        constexpr double worth_a_test = 20;  // instructions: about what the test costs
+        constexpr double worth_halving = 60;
+        uint op = node.operation->kernel_op;
+        vec4 data(node.numbers.empty() ? 0.0f : node.numbers[0], 0, 0, 0);  // k of smooth folds
+        SdfSupport bound = group[0]->support;
+        double weight = 0;
+        for (const SdfTree* child : group) {
+            bound.box.lower = glm::min(bound.box.lower, child->support.box.lower);
+            bound.box.upper = glm::max(bound.box.upper, child->support.box.upper);
+            bound.slope = std::min(bound.slope, child->support.slope);
+            weight += child->weight;
+        }
+        bool bounded = glm::any(glm::lessThan(bound.box.upper - bound.box.lower, dvec3(ENDLESS)));
+        bool intersects = op == kernels::SDF_OP_MAX || op == kernels::SDF_OP_SMOOTH_MAX;
+        bool skips = bounded && !intersects && weight > worth_a_test;
+        std::size_t skip = ops_.size();
+        if (skips) {
+            bool unites = op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_SMOOTH_MIN;
+            auto [centre, half] = centre_and_half(bound.box);
+            add(unites ? kernels::SDF_OP_SKIP_UNION : kernels::SDF_OP_SKIP_SUBTRACT, 0, total, place.point,
+                vec4(centre - vec3(place.shift), data.x), vec4(half, bound.slope * (1 - 1e-5)));
+        }
+        if (skips && group.size() > 1 && weight > worth_halving) {
+            if (op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_SUBTRACT) sort_along_longest_axis(group);
+            std::size_t half = group.size() / 2;
+            emit_group(node, group.first(half), total, place);
+            emit_group(node, group.subspan(half), total, place);
+        } else {
+            for (const SdfTree* child : group) {
+                uint value = emit(*child, shared(place));
+                add(op, total, total, value, data, vec4(0));
+                values_.release(value);
+            }
+        }
+        if (skips && !fault_) ops_[skip].target = static_cast<uint>(ops_.size() - skip - 1);
+    }
+
+    static void sort_along_longest_axis(std::span<const SdfTree*> group) {
+        auto centre = [](const SdfTree* tree) { return centre_and_half(tree->support.box).first; };
+        vec3 lower = centre(group[0]);
+        vec3 upper = lower;
+        for (const SdfTree* child : group) {
+            lower = glm::min(lower, centre(child));
+            upper = glm::max(upper, centre(child));
+        }
+        vec3 e = upper - lower;
+        int axis = e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
+        std::stable_sort(group.begin(), group.end(), [&](const SdfTree* a, const SdfTree* b) {
+            return centre(a)[axis] < centre(b)[axis];
+        });
+    }
+
+    // In floats; edges without end become merely large, of size whose square is still a float.
+    static std::pair<vec3, vec3> centre_and_half(const SdfBox& box) {
+        vec3 centre(0);
+        vec3 half(0);
+        for (int axis = 0; axis < 3; axis++) {
+            bool finite = box.lower[axis] > -ENDLESS && box.upper[axis] < ENDLESS;
+            centre[axis] = finite ? static_cast<float>(0.5 * (box.lower[axis] + box.upper[axis])) : 0.0f;
+            half[axis] = static_cast<float>(finite ? 0.5 * (box.upper[axis] - box.lower[axis]) : ENDLESS);
+        }
+        return {centre, half};
     }
 
     uint emit_repeat(const SdfTree& node, Place place) {
@@ -265,15 +315,7 @@ class Emitter {
     }
 
     uint emit_far(const SdfTree& node, const Place& place, uint value) {
-        constexpr double endless = 1e15;  // squares are still floats
-        const SdfBox& box = node.support.box;
-        vec3 centre(0);
-        vec3 half(0);
-        for (int axis = 0; axis < 3; axis++) {
-            bool finite = box.lower[axis] > -endless && box.upper[axis] < endless;
-            centre[axis] = finite ? static_cast<float>(0.5 * (box.lower[axis] + box.upper[axis])) : 0.0f;
-            half[axis] = static_cast<float>(finite ? 0.5 * (box.upper[axis] - box.lower[axis]) : endless);
-        }
+        auto [centre, half] = centre_and_half(node.support.box);
         add(kernels::SDF_OP_FAR, value, value, place.point, vec4(centre, node.least),
             vec4(half, node.support.slope));
         release(place);
