@@ -287,7 +287,10 @@ ReferenceHit reference_hit(const SceneView& scene, const kernels::Ray& ray, kern
 }
 
 kernels::Hit brute_force_closest(const SceneView& scene, const kernels::Ray& ray, kernels::uint mask) {
-    return reference_hit(scene, ray, mask).hit;
+    ReferenceHit found = reference_hit(scene, ray, mask);
+    // Rounded up: a ray that goes on from there must not meet the same surface again.
+    if (double(found.hit.t) < found.t) found.hit.t = std::nextafter(found.hit.t, kernels::INFINITE);
+    return found.hit;
 }
 
 bool brute_force_any(const SceneView& scene, const kernels::Ray& ray, kernels::uint mask) {

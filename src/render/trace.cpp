@@ -1,5 +1,7 @@
 #include "spinel/trace.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +62,7 @@ Hit first_material(const SceneView& scene, const Accelerator& accelerator, Ray r
     for (;;) {
         const Hit hit = accelerator.closest(scene, ray, mask);
         if (!kernels::is_hit(hit) || material_of(scene, hit) != NONE) return hit;
+        assert(hit.t > ray.t_min);
         ray.t_min = hit.t;
     }
 }
