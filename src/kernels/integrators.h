@@ -1,7 +1,8 @@
 #ifndef SPINEL_KERNELS_INTEGRATORS_H
 #define SPINEL_KERNELS_INTEGRATORS_H
 // What a sample of a pixel can be. To add an integrator: a function here or in a header of its own, and one row in
-// SPINEL_INTEGRATORS; the devices, `spinel list integrators`, the scene file and the command line follow from it.
+// integrator_table.h; the devices, `spinel list integrators`, the scene file and the command line follow from it.
+#include "integrator_table.h"
 #include "path.h"
 KERNELS_BEGIN
 
@@ -23,11 +24,6 @@ FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSetting
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
-
-//      number  name      what it shows
-#define SPINEL_INTEGRATORS(ROW)                                                                    \
-    ROW(0u, path, "volumetric path tracing with next-event estimation and multiple importance sampling") \
-    ROW(1u, normals, "shading normals of what is seen first")
 
 FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel, uint index) {
 #define SPINEL_INTEGRATOR_CASE(number, name, doc) \

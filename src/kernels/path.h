@@ -13,15 +13,10 @@
 #include "camera.h"
 #include "device.h"
 #include "medium.h"
+#include "path_settings.h"
 #include "phase.h"
 #include "surface.h"
 KERNELS_BEGIN
-
-struct PathSettings {
-    uint seed;
-    int max_bounces;        // scattering events; −1: no limit
-    int roulette_start;     // first bounce that Russian roulette may end
-};
 
 const uint MAX_PATH_SEGMENTS = 65536u;   // bounces and crossed interfaces of one path: a safety bound, counted
 const uint MAX_SHADOW_SEGMENTS = 4096u;  // interfaces crossed by one shadow ray
@@ -49,7 +44,7 @@ struct PathState {
     uint segments;
     uint flags;
     Inside inside;
-    Sampler sampler;
+    Sampler numbers;
     Rng rng;             // for loops without a bound on their draws
     FirstHit first;
 };
@@ -68,10 +63,10 @@ struct Connection {
 
 FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
     PathState state;
-    state.sampler = make_sampler(pixel, index, settings.seed);
-    vec2 u_film = sampler_2d(state.sampler);
-    vec2 u_lens = sampler_2d(state.sampler);
-    float u_hero = sampler_1d(state.sampler);
+    state.numbers = make_sampler(pixel, index, settings.seed);
+    vec2 u_film = sampler_2d(state.numbers);
+    vec2 u_lens = sampler_2d(state.numbers);
+    float u_hero = sampler_1d(state.numbers);
     state.ray = camera_ray(scene.camera, pixel, u_film, u_lens);
     state.weights = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), min(uint(u_hero * 3.0f), 2u));
     state.radiance = vec3(0.0f);
@@ -83,7 +78,7 @@ FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) set
     state.inside = inside_nothing();
     for (uint i = 0u; i < scene.camera_inside_count; ++i)
         inside_enter(state.inside, scene.words.at[scene.camera_inside_first + i]);
-    state.rng = make_rng(state.sampler, 0u);
+    state.rng = make_rng(state.numbers, 0u);
     state.first = FirstHit(vec3(0.0f), 0.0f, vec3(0.0f), NONE);
     return state;
 }
@@ -135,7 +130,7 @@ FN void russian_roulette(const_in(PathSettings) settings, inout(PathState) state
     float carried = max_component(state.weights.throughput) * state.eta_scale / average(state.weights.r_path);
     if (!(carried < 1.0f)) return;
     float survive = max(carried, 0.02f);
-    if (sampler_1d(state.sampler) >= survive) path_end(state);
+    if (sampler_1d(state.numbers) >= survive) path_end(state);
     else state.weights.throughput /= survive;
 }
 
@@ -156,17 +151,17 @@ FN Connection scatter_in_medium(const_in(SceneView) scene, const_in(PathSettings
     vec3 p = ray_at(state.ray, event.t);
     vec3 d = state.ray.direction;
     float g = scene.media.at[event.medium].g;
-    float u_light = sampler_1d(state.sampler);
-    vec2 u_point = sampler_2d(state.sampler);
-    vec2 u_phase = sampler_2d(state.sampler);
+    float u_light = sampler_1d(state.numbers);
+    vec2 u_point = sampler_2d(state.numbers);
+    vec2 u_phase = sampler_2d(state.numbers);
     LightSample light = sample_light(scene, p, u_light, u_point);
     if (light.pdf > 0.0f) {
         float phase = phase_eval(g, dot(d, light.direction));
         c = connection_to(state, light, p, vec3(phase), phase);
     }
-    vec3 next = phase_sample(g, d, u_phase);
-    state.weights.r_light = state.weights.r_path / phase_eval(g, dot(d, next));
-    state.ray = Ray(p, 0.0f, next, INFINITE);
+    PhaseSample next = phase_sample(g, d, u_phase);
+    state.weights.r_light = state.weights.r_path / next.pdf;
+    state.ray = Ray(p, 0.0f, next.direction, INFINITE);
     state.vertex = p;
     state.flags &= ~PATH_SPECULAR;
     russian_roulette(settings, state);
@@ -252,21 +247,19 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     if (!next_bounce(settings, state)) return c;
 
     float wo_side = dot(wo, s.geometric_normal);
-    float u_light = sampler_1d(state.sampler);
-    vec2 u_point = sampler_2d(state.sampler);
-    float u_lobe = sampler_1d(state.sampler);
-    vec2 u_bsdf = sampler_2d(state.sampler);
+    float u_light = sampler_1d(state.numbers);
+    vec2 u_point = sampler_2d(state.numbers);
+    float u_lobe = sampler_1d(state.numbers);
+    vec2 u_bsdf = sampler_2d(state.numbers);
     if (!bsdf_is_delta(bsdf)) {
         LightSample light = sample_light(scene, s.position, u_light, u_point);
         if (light.pdf > 0.0f) {
             vec3 wi = to_local(frame, light.direction);
             // Shading and geometric normal must agree on which side the light is.
             if ((wi.z > 0.0f) == (dot(light.direction, s.geometric_normal) * wo_side > 0.0f)) {
-                vec3 f = bsdf_eval(bsdf, wo_local, wi);
-                if (!is_black(f)) {
-                    c = connection_to(state, light, leave_surface(scene, s, light.direction), f, bsdf_pdf(bsdf, wo_local, wi));
-                    if (wi.z < 0.0f) c.inside = after;
-                }
+                vec4 f = bsdf_eval_pdf(bsdf, wo_local, wi);
+                c = connection_to(state, light, leave_surface(scene, s, light.direction), vec3(f.x, f.y, f.z), f.w);
+                if (wi.z < 0.0f) c.inside = after;
             }
         }
     }

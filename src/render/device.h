@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/result.h"
-#include "kernels/path.h"
+#include "kernels/path_settings.h"
 #include "render/film.h"
 #include "scene/compiled_scene.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "kernels/integrators.h"
+#include "kernels/integrator_table.h"
 
 namespace spinel {
 

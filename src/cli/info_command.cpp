@@ -1,0 +1,150 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "formats/load_scene.h"
+#include "image/pixels.h"
+#include "scene/complete.h"
+#include "scene/json_reader.h"
+#include "scene/material_registry.h"
+#include "scene/validate.h"
+#include "spinel/formats.h"
+
+namespace spinel::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(vec3 v) { return {v.x, v.y, v.z}; }
+
+struct Describe {
+    const Scene& scene;
+    Json operator()(const MeshGeometry& mesh) const {
+        return {{"vertices", mesh.positions.size()},
+                {"triangles", mesh.triangles.size()},
+                {"normals", !mesh.normals.empty()},
+                {"uvs", !mesh.uvs.empty()}};
+    }
+    Json operator()(const VoxelGeometry& voxels) const {
+        const auto occupied = std::count_if(voxels.cells.begin(), voxels.cells.end(), [](std::uint8_t c) { return c != 0; });
+        return {{"size", {voxels.size.x, voxels.size.y, voxels.size.z}}, {"voxels", occupied}};
+    }
+    Json operator()(const VolumeGeometry& volume) const {
+        const Grid& grid = scene.grids[std::size_t(volume.grid)];
+        const auto [low, high] = std::minmax_element(grid.values.begin(), grid.values.end());
+        return {{"size", {grid.size.x, grid.size.y, grid.size.z}}, {"minimum", *low}, {"maximum", *high}};
+    }
+    Json operator()(const SdfGeometry& sdf) const { return {{"operations", count(sdf.root)}}; }
+    Json operator()(const SphereGeometry& s) const { return {{"radius", s.radius}}; }
+    Json operator()(const BoxGeometry& b) const { return {{"size", vector_json(b.size)}}; }
+    Json operator()(const PlaneGeometry&) const { return Json::object(); }
+    Json operator()(const RectangleGeometry& r) const { return {{"size", {r.size.x, r.size.y}}}; }
+
+    static std::size_t count(const SdfNode& node) {
+        std::size_t n = 1;
+        for (const SdfNode& child : node.children) n += count(child);
+        return n;
+    }
+};
+
+Json describe(const Scene& scene) {
+    Json json;
+    const std::vector<vec3> points = outline_points(scene);
+    if (!points.empty()) {
+        vec3 lower = points[0], upper = points[0];
+        for (const vec3& p : points) {
+            lower = glm::min(lower, p);
+            upper = glm::max(upper, p);
+        }
+        json["bounds"] = {{"lower", vector_json(lower)}, {"upper", vector_json(upper)}};
+    }
+    json["geometries"] = Json::array();
+    for (const Geometry& geometry : scene.geometries) {
+        Json entry = {{"name", geometry.name}, {"type", std::string(kind_name(geometry))}};
+        entry.update(std::visit(Describe{scene}, geometry.data));
+        json["geometries"].push_back(entry);
+    }
+    json["objects"] = scene.objects.size();
+    json["materials"] = Json::array();
+    for (const Material& material : scene.materials)
+        json["materials"].push_back({{"name", material.name}, {"type", std::string(material_infos()[material.values.kind].name)}});
+    json["textures"] = Json::array();
+    for (const Texture& texture : scene.textures) {
+        Json entry = {{"name", texture.name}};
+        if (const auto* image = std::get_if<ImageTexture>(&texture.data)) {
+            entry["file"] = image->file;
+            entry["size"] = {image->pixels->width, image->pixels->height};
+        }
+        json["textures"].push_back(entry);
+    }
+    json["media"] = scene.media.size();
+    json["lights"] = scene.lights.size();
+    json["cameras"] = Json::array();
+    for (const Camera& camera : scene.cameras) json["cameras"].push_back(camera.name);
+    return json;
+}
+
+void print(const std::string& file, const Json& json) {
+    fmt::print("{}\n", file);
+    if (json.contains("bounds")) {
+        const auto& l = json["bounds"]["lower"];
+        const auto& u = json["bounds"]["upper"];
+        fmt::print("  bounds      ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", l[0].get<double>(), l[1].get<double>(),
+                   l[2].get<double>(), u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
+    }
+    fmt::print("  objects     {}\n", json["objects"].get<std::size_t>());
+    const auto section = [&](const char* title, const char* key) {
+        if (json[key].empty()) return;
+        fmt::print("  {:<11} {}\n", title, json[key].size());
+        std::size_t shown = 0;
+        for (const auto& entry : json[key]) {
+            if (++shown > 20) {
+                fmt::print("    … and {} more\n", json[key].size() - 20);
+                break;
+            }
+            std::string line = entry.is_string() ? entry.get<std::string>() : entry["name"].get<std::string>();
+            if (entry.is_object())
+                for (const auto& [name, value] : entry.items())
+                    if (name != "name") line += fmt::format("  {}{}", name == "type" ? "" : name + " ", value.is_string() ? value.get<std::string>() : value.dump());
+            fmt::print("    {}\n", line);
+        }
+    };
+    section("geometries", "geometries");
+    section("materials", "materials");
+    section("textures", "textures");
+    section("cameras", "cameras");
+    if (json["media"] != 0) fmt::print("  media       {}\n", json["media"].get<std::size_t>());
+    if (json["lights"] != 0) fmt::print("  lights      {}\n", json["lights"].get<std::size_t>());
+}
+
+int run(const std::vector<std::string>& files, const CommonOptions& common) {
+    int code = exit_ok;
+    for (const std::string& file : files) {
+        const bool is_scene = std::filesystem::path(file).extension() == ".json";
+        const Result<Scene> scene = is_scene ? load_scene(file) : load_model(file);
+        if (!scene) {
+            code = fail(scene.error());
+            continue;
+        }
+        Json json = describe(*scene);
+        if (common.json) {
+            json["file"] = file;
+            fmt::print("{}\n", json.dump(2));
+        } else {
+            print(file, json);
+        }
+    }
+    return code;
+}
+
+}  // namespace
+
+std::function<int()> info_command(CLI::App& app, const CommonOptions& common) {
+    auto files = std::make_shared<std::vector<std::string>>();
+    app.add_option("FILE", *files, "scene files or models")->required();
+    return [files, &common] { return run(*files, common); };
+}
+
+}  // namespace spinel::cli

@@ -1,0 +1,85 @@
+// spinel: the command line. Messages go to stderr, results to stdout.
+
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+#include <new>
+#include <optional>
+
+#include "cli/commands.h"
+
+namespace spinel::cli {
+
+int fail(const Error& error) {
+    fmt::print(stderr, "spinel: {}\n", error.message);
+    return exit_bad_input;
+}
+
+namespace {
+
+struct Row {
+    const char* name;
+    const char* doc;
+    const char* example;
+    Command command;
+};
+
+constexpr Row commands[] = {
+    {"render", "make a picture of a scene or of any model",
+     "  spinel render castle.vox -o castle.png\n"
+     "  spinel render scene.json -o scene.exr --spp 256 --aov depth,normal\n"
+     "  spinel render scene.json -o quick.png --time 10s --size 640x360\n"
+     "  spinel render models/*.vox -o pictures/",
+     render_command},
+    {"info", "tell what is in a file",
+     "  spinel info castle.vox\n"
+     "  spinel info scene.json --json",
+     info_command},
+    {"list", "tell what is registered: materials, formats, integrators, …",
+     "  spinel list materials\n"
+     "  spinel list",
+     list_command},
+    {"trace", "send a batch of rays into a scene",
+     "  spinel trace bunny.ply --rays rays.npy -o hits.npy\n"
+     "  spinel trace scene.json --rays rays.npy -o hits.npy --accel brute-force",
+     trace_command},
+};
+
+int run(int argc, char** argv) {
+    CLI::App app{"Spinel: path-traced pictures of voxels, volumes, implicit surfaces and meshes.", "spinel"};
+    app.require_subcommand(1);
+    app.failure_message(CLI::FailureMessage::simple);
+    app.set_version_flag("--version", SPINEL_VERSION);
+    CommonOptions common;
+    std::function<int()> chosen;
+    for (const Row& row : commands) {
+        CLI::App* sub = app.add_subcommand(row.name, row.doc);
+        sub->footer(std::string("Examples:\n") + row.example);
+        sub->add_flag("--quiet", common.quiet, "say nothing but errors");
+        sub->add_flag("--json", common.json, "results as JSON on stdout");
+        const std::function<int()> action = row.command(*sub, common);
+        sub->final_callback([&chosen, action] { chosen = action; });
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const int code = app.exit(error);  // prints help or the complaint
+        return code == 0 ? exit_ok : exit_usage;
+    }
+    return chosen();
+}
+
+}  // namespace
+}  // namespace spinel::cli
+
+int main(int argc, char** argv) {
+    // The library reports through Result; what still arrives here is the machine running out, or a bug.
+    try {
+        return spinel::cli::run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "spinel: out of memory\n");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "spinel: internal error: {}\n", error.what());
+    }
+    return spinel::cli::exit_bad_input;
+}

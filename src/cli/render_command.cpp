@@ -1,0 +1,291 @@
+#include <sys/resource.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "core/parallel.h"
+#include "devices/devices.h"
+#include "formats/load_scene.h"
+#include "image/image_io.h"
+#include "render/render.h"
+#include "scene/compiled_scene.h"
+
+namespace spinel::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+    std::vector<std::string> inputs;
+    std::string output;
+    std::string size;
+    int spp = 0;
+    std::string time;
+    double noise = 0;
+    int max_bounces = -2;
+    std::string integrator;
+    std::string device = "cpu";
+    std::uint32_t seed = 0;
+    int threads = 0;
+    std::string crop;
+    std::string camera;
+    std::vector<std::string> aovs;
+    std::string tone_map;
+    double exposure = NAN;
+    bool check = false;
+};
+
+// "90", "90s", "1.5m", "1h": seconds.
+Result<double> parse_duration(const std::string& text) {
+    std::size_t used = 0;
+    double value = 0;
+    try {
+        value = std::stod(text, &used);
+    } catch (const std::exception&) {
+        used = 0;
+    }
+    const std::string unit = text.substr(used);
+    const double scale = unit == "m" ? 60 : unit == "h" ? 3600 : unit.empty() || unit == "s" ? 1 : 0;
+    if (used == 0 || scale == 0 || !(value > 0) || !std::isfinite(value))
+        return Error{fmt::format("--time '{}': expected a positive duration such as 30s, 5m or 1h", text)};
+    return value * scale;
+}
+
+Result<ivec2> parse_size(const std::string& text) {
+    if (text.empty()) return ivec2(0);
+    int x = 0, y = 0, used = 0;
+    if (std::sscanf(text.c_str(), "%dx%d%n", &x, &y, &used) != 2 || std::size_t(used) != text.size() || x < 1 || y < 1 ||
+        x > 65536 || y > 65536)
+        return Error{fmt::format("--size '{}': expected WIDTHxHEIGHT, each from 1 to 65536", text)};
+    return ivec2(x, y);
+}
+
+Result<Crop> parse_crop(const std::string& text) {
+    if (text.empty()) return Crop{};
+    Crop c;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &c.lower.x, &c.lower.y, &c.upper.x, &c.upper.y, &used) != 4 ||
+        std::size_t(used) != text.size())
+        return Error{fmt::format("--crop '{}': expected LEFT,TOP,RIGHT,BOTTOM in pixels", text)};
+    return c;
+}
+
+Result<ToneMap> parse_tone_map(const std::string& text, ToneMap fallback) {
+    if (text.empty()) return fallback;
+    if (text == "linear") return ToneMap::linear;
+    if (text == "aces") return ToneMap::aces;
+    if (text == "agx") return ToneMap::agx;
+    return Error{fmt::format("unknown tone map '{}'; available: linear, aces, agx", text)};
+}
+
+// Several inputs need a place each: a folder, or a name with {name} in it.
+Result<fs::path> output_path(const Options& o, const fs::path& input) {
+    const std::string stem = input.stem().string();
+    const std::size_t at = o.output.find("{name}");
+    if (at != std::string::npos) return fs::path(std::string(o.output).replace(at, 6, stem));
+    if (fs::is_directory(o.output) || o.output.ends_with('/')) return fs::path(o.output) / (stem + ".png");
+    if (o.inputs.size() > 1)
+        return Error{fmt::format("-o '{}': {} inputs need a folder, or a name with {{name}} in it", o.output, o.inputs.size())};
+    return fs::path(o.output);
+}
+
+double user_cpu_seconds() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return double(usage.ru_utime.tv_sec) + 1e-6 * double(usage.ru_utime.tv_usec);
+}
+
+const char* reason_text(StopReason reason) {
+    switch (reason) {
+        case StopReason::time: return "time";
+        case StopReason::noise: return "noise";
+        case StopReason::interrupted: return "interrupted";
+        case StopReason::samples: break;
+    }
+    return "samples";
+}
+
+Result<void> save(const fs::path& path, const FilmBuffer& film, const Options& o, const Film& settings,
+                  const ImageMetadata& metadata) {
+    std::error_code ignored;
+    if (!path.parent_path().empty()) fs::create_directories(path.parent_path(), ignored);
+    const float exposure = std::isnan(o.exposure) ? settings.exposure : float(o.exposure);
+    const Image radiance = film.radiance();
+    const bool exr = path.extension() == ".exr";
+    std::vector<NamedPlane> aovs;
+    for (const std::string& name : o.aovs) {
+        Result<NamedPlane> plane = aov_plane(film, name);
+        if (!plane) return plane.error();
+        aovs.push_back(std::move(*plane));
+    }
+    if (!exr) {
+        const Result<ToneMap> tone_map = parse_tone_map(o.tone_map, settings.tone_map);
+        if (!tone_map) return tone_map.error();
+        if (Result<void> written = write_image(path, {{{"R", "G", "B"}, tone_mapped(radiance, *tone_map, exposure)}}, metadata); !written)
+            return written;
+        if (aovs.empty()) return {};
+        // A PNG has no room for planes of data: they go beside it.
+        fs::path beside = path;
+        return write_image(beside.replace_extension(".aov.exr"), aovs, metadata);
+    }
+    std::vector<NamedPlane> planes;
+    planes.push_back({{"R", "G", "B"}, radiance});
+    for (NamedPlane& plane : aovs) planes.push_back(std::move(plane));
+    return write_image(path, planes, metadata);
+}
+
+// Whether the picture's mean is what the scene file says it must be.
+bool as_expected(const Expected& expected, vec3 mean) {
+    for (int k = 0; k < 3; ++k)
+        if (!(std::abs(mean[k] - expected.mean[k]) <= expected.tolerance * std::max(std::abs(expected.mean[k]), 1e-6f))) return false;
+    return true;
+}
+
+struct Run {
+    const Options& o;
+    const CommonOptions& common;
+    ivec2 size;
+    RenderOptions render;
+
+    Result<int> operator()(const fs::path& input) const {
+        const Result<fs::path> output = output_path(o, input);
+        if (!output) return output.error();
+        if (output->extension() != ".png" && output->extension() != ".exr")
+            return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output->string())};
+        const Result<Scene> scene = load_scene(input, size);
+        if (!scene) return scene.error();
+        const Result<CompiledScene> compiled = compile(*scene, {.camera = o.camera, .size = size});
+        if (!compiled) return Error{fmt::format("{}: {}", input.string(), compiled.error().message)};
+        const Result<std::unique_ptr<Device>> device = make_device(o.device);
+        if (!device) return device.error();
+        const double cpu_before = user_cpu_seconds();
+        Result<RenderResult> result = [&] {
+            ProgressLine line(input.filename().string(), common.quiet);
+            return spinel::render(**device, *compiled, render, interrupted, [&](const RenderProgress& p) { line.show(p); });
+        }();
+        if (!result) return result.error();
+        const double cpu = user_cpu_seconds() - cpu_before;
+        const FilmBuffer& film = result->film;
+        if (film.sample_count() == 0) return Error{fmt::format("{}: interrupted before the first sample; nothing is saved", input.string())};
+        const double spp = double(film.sample_count()) / double(film.pixels.size());
+        const std::string integrator = render.integrator.empty() ? scene->integrator.name : render.integrator;
+        const ImageMetadata metadata = {
+            {"Software", "Spinel " SPINEL_VERSION},
+            {"spinel.input", input.filename().string()},
+            {"spinel.integrator", integrator},
+            {"spinel.device", o.device},
+            {"spinel.spp", fmt::format("{:.6g}", spp)},
+            {"spinel.seed", fmt::format("{}", o.seed)},
+            {"spinel.max_bounces", fmt::format("{}", render.max_bounces == -2 ? scene->integrator.max_bounces : render.max_bounces)},
+            {"spinel.seconds", fmt::format("{:.3f}", result->seconds)},
+            {"spinel.stopped_by", reason_text(result->reason)},
+            {"spinel.relative_error", fmt::format("{:.6g}", film.relative_error())},
+            {"spinel.film", fmt::format("{}x{}", film.size.x, film.size.y)},
+            {"spinel.crop", fmt::format("{},{},{},{}", film.crop.lower.x, film.crop.lower.y, film.crop.upper.x, film.crop.upper.y)},
+        };
+        if (Result<void> saved = save(*output, film, o, scene->film, metadata); !saved) return saved.error();
+
+        glm::dvec3 mean(0);
+        for (const FilmPixel& p : film.pixels) mean += p.sum / double(std::max(p.count, 1u));
+        mean /= double(film.pixels.size());
+        if (film.bound_reached > 0)
+            fmt::print(stderr, "spinel: warning: {} of {} paths were cut at a safety bound; the picture is darker than it should be\n",
+                       film.bound_reached, film.sample_count());
+        if (common.json) {
+            const nlohmann::ordered_json json = {{"input", input.string()},
+                                                 {"output", output->string()},
+                                                 {"width", film.crop.size().x},
+                                                 {"height", film.crop.size().y},
+                                                 {"spp", spp},
+                                                 {"seconds", result->seconds},
+                                                 {"cpu_seconds", cpu},
+                                                 {"paths_per_second", double(film.sample_count()) / std::max(result->seconds, 1e-9)},
+                                                 {"mean", {mean.x, mean.y, mean.z}},
+                                                 {"relative_error", film.relative_error()},
+                                                 {"stopped_by", reason_text(result->reason)}};
+            fmt::print("{}\n", json.dump());
+        } else if (!common.quiet) {
+            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s), noise {:.2g}{}\n", output->string(), film.crop.size().x,
+                       film.crop.size().y, spp, duration_text(result->seconds),
+                       1e-6 * double(film.sample_count()) / std::max(result->seconds, 1e-9), film.relative_error(),
+                       result->reason == StopReason::interrupted ? ", interrupted" : "");
+        }
+        if (o.check) {
+            if (!scene->expected) return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
+            if (!as_expected(*scene->expected, vec3(mean))) {
+                const vec3 e = scene->expected->mean;
+                fmt::print(stderr, "spinel: {}: mean ({:.6g}, {:.6g}, {:.6g}), expected ({:.6g}, {:.6g}, {:.6g}) within {:.3g} %\n",
+                           input.string(), mean.x, mean.y, mean.z, e.x, e.y, e.z, 100 * double(scene->expected->tolerance));
+                return int(exit_comparison_failed);
+            }
+        }
+        return int(exit_ok);
+    }
+};
+
+int run(const Options& o, const CommonOptions& common) {
+    RenderOptions options;
+    const Result<ivec2> size = parse_size(o.size);
+    if (!size) return fail(size.error()), int(exit_usage);
+    const Result<Crop> crop = parse_crop(o.crop);
+    if (!crop) return fail(crop.error()), int(exit_usage);
+    if (!o.time.empty()) {
+        const Result<double> time = parse_duration(o.time);
+        if (!time) return fail(time.error()), int(exit_usage);
+        options.time_limit = *time;
+    }
+    // What would only be noticed after the rendering is checked before it.
+    if (const auto tone_map = parse_tone_map(o.tone_map, ToneMap::agx); !tone_map) return fail(tone_map.error()), int(exit_usage);
+    for (const std::string& name : o.aovs)
+        if (const auto plane = aov_plane(FilmBuffer({1, 1}, {{0, 0}, {1, 1}}), name); !plane) return fail(plane.error()), int(exit_usage);
+    options.spp = o.spp;
+    options.noise = o.noise;
+    options.max_bounces = o.max_bounces;
+    options.integrator = o.integrator;
+    options.seed = o.seed;
+    options.crop = *crop;
+    const ThreadLimit limit(o.threads);
+    install_interrupt();
+    const Run render_one{o, common, *size, options};
+    int code = exit_ok;
+    for (const std::string& input : o.inputs) {
+        const Result<int> result = render_one(input);
+        // One bad file of a batch does not take the others with it.
+        const int this_code = result ? *result : fail(result.error());
+        if (code == exit_ok) code = this_code;
+        if (interrupted) break;
+    }
+    return code;
+}
+
+}  // namespace
+
+std::function<int()> render_command(CLI::App& app, const CommonOptions& common) {
+    auto o = std::make_shared<Options>();
+    app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`")->required();
+    app.add_option("-o,--output", o->output, "picture: .png or .exr; for several inputs a folder, or a name with {name} in it")->required();
+    app.add_option("--size", o->size, "WIDTHxHEIGHT in pixels (default: the scene's, else 1280x720)");
+    app.add_option("--spp", o->spp, "samples per pixel (default: the scene's, else 64)")->check(CLI::Range(1, 1 << 30));
+    app.add_option("--time", o->time, "stop after this long: 30s, 5m, 1h");
+    app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")->check(CLI::Range(1e-6, 1.0));
+    app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
+    app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")->check(CLI::Range(-1, 1 << 20));
+    app.add_option("--device", o->device, "`spinel list devices`")->capture_default_str();
+    app.add_option("--seed", o->seed, "another seed, another noise; the same seed, the same bits")->capture_default_str();
+    app.add_option("-t,--threads", o->threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024))->capture_default_str();
+    app.add_option("--crop", o->crop, "LEFT,TOP,RIGHT,BOTTOM in pixels: render and write this part only");
+    app.add_option("--camera", o->camera, "one of the scene's cameras by name");
+    app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');
+    app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
+    app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)");
+    app.add_flag("--check", o->check, "compare the mean with the scene's \"expected\"; exit code 3 if it differs");
+    return [o, &common] { return run(*o, common); };
+}
+
+}  // namespace spinel::cli

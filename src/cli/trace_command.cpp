@@ -1,0 +1,66 @@
+#include <chrono>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "formats/load_scene.h"
+#include "formats/npy.h"
+#include "scene/compiled_scene.h"
+#include "spinel/formats.h"
+#include "spinel/trace.h"
+
+namespace spinel::cli {
+namespace {
+
+struct Options {
+    std::string input;
+    std::string rays;
+    std::string output;
+    TraceOptions trace;
+};
+
+Result<int> run(const Options& o, const CommonOptions& common) {
+    const Result<const Accelerator*> accelerator = find_accelerator(o.trace.accelerator);
+    if (!accelerator) return accelerator.error();
+    // A bare model is traced as it is, without the ground that a picture of it would stand on.
+    const bool is_scene = std::filesystem::path(o.input).extension() == ".json";
+    const Result<Scene> scene = is_scene ? load_scene(o.input) : load_model(o.input);
+    if (!scene) return scene.error();
+    const Result<CompiledScene> compiled = compile(*scene);
+    if (!compiled) return Error{fmt::format("{}: {}", o.input, compiled.error().message)};
+    const Result<std::vector<TraceRay>> rays = read_rays_npy(o.rays);
+    if (!rays) return rays.error();
+    const auto start = std::chrono::steady_clock::now();
+    const Result<std::vector<TraceHit>> hits = trace_rays(compiled->view(), *rays, o.trace);
+    if (!hits) return hits.error();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (Result<void> written = write_hits_npy(o.output, *hits); !written) return written.error();
+    std::size_t hit_count = 0;
+    for (const TraceHit& hit : *hits) hit_count += hit.t < kernels::INFINITE;
+    const double rate = 1e-6 * double(rays->size()) / std::max(seconds, 1e-9);
+    if (common.json)
+        fmt::print("{}\n", nlohmann::ordered_json({{"rays", rays->size()}, {"hits", hit_count}, {"seconds", seconds}, {"mrays_per_s", rate},
+                                                   {"accelerator", o.trace.accelerator}}).dump());
+    else if (!common.quiet)
+        fmt::print(stderr, "{} rays, {} hits, {:.3f} s, {:.2f} Mrays/s ({})\n", rays->size(), hit_count, seconds, rate, o.trace.accelerator);
+    return int(exit_ok);
+}
+
+}  // namespace
+
+std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
+    auto o = std::make_shared<Options>();
+    app.add_option("FILE", o->input, "scene file or model")->required();
+    app.add_option("--rays", o->rays, "rays.npy: float32 [N,8] = origin, t_min, direction, t_max")->required();
+    app.add_option("-o,--output", o->output, "hits.npy: structured array, one record a ray")->required();
+    app.add_option("--accel", o->trace.accelerator, "`spinel list accelerators`")->capture_default_str();
+    app.add_flag("--any", o->trace.any, "only whether anything is hit: t is 0 if so, infinity if not");
+    app.add_option("-t,--threads", o->trace.threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024));
+    return [o, &common] {
+        const Result<int> result = run(*o, common);
+        return result ? *result : fail(result.error());
+    };
+}
+
+}  // namespace spinel::cli

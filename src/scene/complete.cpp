@@ -1,0 +1,162 @@
+#include "scene/complete.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/sdf/sdf_builder.h"
+#include "kernels/materials.h"
+#include "scene/material_registry.h"
+
+namespace spinel {
+namespace {
+
+constexpr std::size_t points_per_geometry = 20000;
+
+void add_corners(std::vector<vec3>& points, const mat4x3& m, vec3 lower, vec3 upper) {
+    for (int i = 0; i < 8; ++i)
+        points.push_back(m * vec4(i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z, 1));
+}
+
+struct OutlineOf {
+    const Scene& scene;
+    const mat4x3& m;
+    std::vector<vec3>& points;
+
+    void operator()(const MeshGeometry& mesh) const {
+        const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / points_per_geometry);
+        for (std::size_t i = 0; i < mesh.positions.size(); i += step) points.push_back(m * vec4(mesh.positions[i], 1));
+        // What the stride leaves out must not leave the picture.
+        vec3 lower = mesh.positions.front(), upper = lower;
+        std::size_t extreme[6] = {};
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+            for (int a = 0; a < 3; ++a) {
+                if (mesh.positions[i][a] < lower[a]) lower[a] = mesh.positions[i][a], extreme[a] = i;
+                if (mesh.positions[i][a] > upper[a]) upper[a] = mesh.positions[i][a], extreme[a + 3] = i;
+            }
+        for (const std::size_t i : extreme) points.push_back(m * vec4(mesh.positions[i], 1));
+    }
+    void operator()(const VoxelGeometry& voxels) const {
+        // The first and last voxel of every column: the outline without the inside.
+        const ivec3 n = voxels.size;
+        const int step = std::max(1, int(std::sqrt(double(n.x) * n.y / double(points_per_geometry))));
+        for (int y = 0; y < n.y; y += 1)
+            for (int x = (y * 7) % step; x < n.x; x += step) {
+                int first = -1, last = -1;
+                for (int z = 0; z < n.z; ++z)
+                    if (voxels.cells[std::size_t(x) + std::size_t(n.x) * (std::size_t(y) + std::size_t(n.y) * std::size_t(z))]) {
+                        if (first < 0) first = z;
+                        last = z;
+                    }
+                if (first >= 0) add_corners(points, m, vec3(x, y, first), vec3(x + 1, y + 1, last + 1));
+            }
+    }
+    void operator()(const VolumeGeometry& volume) const {
+        const Grid& grid = scene.grids[std::size_t(volume.grid)];
+        const glm::mat4 to_world = glm::mat4(m) * glm::mat4(grid.index_to_local);
+        add_corners(points, mat4x3(to_world), vec3(0), vec3(grid.size));
+    }
+    void operator()(const SdfGeometry& sdf) const {
+        // An expression that cannot be built is compile()'s to report.
+        if (const Result<SdfData> data = build_sdf(sdf)) add_corners(points, m, data->sdf.lower, data->sdf.upper);
+    }
+    void operator()(const SphereGeometry& s) const { add_corners(points, m, vec3(-s.radius), vec3(s.radius)); }
+    void operator()(const BoxGeometry& b) const { add_corners(points, m, -0.5f * b.size, 0.5f * b.size); }
+    void operator()(const RectangleGeometry& r) const {
+        const vec3 half(0.5f * r.size.x, 0, 0.5f * r.size.y);
+        add_corners(points, m, -half, half);
+    }
+    void operator()(const PlaneGeometry&) const {}
+};
+
+bool has_light(const Scene& scene) {
+    return !std::holds_alternative<std::monostate>(scene.environment) || !scene.lights.empty();
+}
+
+// Looks along a fixed direction and finds the nearest place from which every point is in the frame.
+Camera framing_camera(const std::vector<vec3>& points, float aspect) {
+    constexpr float azimuth = 0.61f, elevation = 0.33f, fov = 32, margin = 1.12f;  // radians, radians, degrees
+    Camera camera;
+    camera.name = "fitted";
+    camera.fov = fov;
+    const vec3 back(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
+    const vec3 right = glm::normalize(glm::cross(vec3(0, 1, 0), back)), up = glm::cross(back, right);
+    const float tan_y = std::tan(0.5f * glm::radians(fov)) / margin, tan_x = tan_y * aspect;
+    vec3 lower(1e30f), upper(-1e30f);
+    for (const vec3& p : points) {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+    vec3 target = 0.5f * (lower + upper);
+    float distance = 0;
+    for (int i = 0; i < 8; ++i) {  // alternate: far enough for all, then centre what is seen
+        distance = 0;
+        for (const vec3& p : points) {
+            const vec3 q = p - target;
+            const float depth = glm::dot(q, back);
+            distance = std::max(distance, depth + std::max(std::abs(glm::dot(q, right)) / tan_x, std::abs(glm::dot(q, up)) / tan_y));
+        }
+        vec2 low(1e30f), high(-1e30f);
+        for (const vec3& p : points) {
+            const vec3 q = p - target;
+            const vec2 seen = vec2(glm::dot(q, right), glm::dot(q, up)) / std::max(distance - glm::dot(q, back), 1e-6f * distance);
+            low = glm::min(low, seen);
+            high = glm::max(high, seen);
+        }
+        const vec2 shift = 0.5f * (low + high) * distance;
+        target += right * shift.x + up * shift.y;
+    }
+    distance = std::max(distance, 1e-3f);
+    camera.at = target;
+    camera.from = target + distance * back;
+    return camera;
+}
+
+void add_ground(Scene& scene, float height) {
+    Material material{"ground", default_material(kernels::MATERIAL_DIFFUSE)};
+    material.values.color = vec3(0.42f, 0.41f, 0.40f);
+    scene.materials.push_back(material);
+    scene.geometries.push_back({"ground", PlaneGeometry{}});
+    Object ground;
+    ground.name = "ground";
+    ground.geometry = int(scene.geometries.size()) - 1;
+    ground.transform[3] = vec3(0, height, 0);
+    ground.materials = {int(scene.materials.size()) - 1};
+    scene.objects.push_back(ground);
+}
+
+}  // namespace
+
+std::vector<vec3> outline_points(const Scene& scene) {
+    std::vector<vec3> points;
+    for (const Object& object : scene.objects)
+        std::visit(OutlineOf{scene, object.transform, points}, scene.geometries[std::size_t(object.geometry)].data);
+    std::erase_if(points, [](const vec3& p) { return !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)); });
+    return points;
+}
+
+void fit_camera(Scene& scene) {
+    const std::vector<vec3> points = outline_points(scene);
+    if (!points.empty())
+        scene.cameras.push_back(framing_camera(points, float(scene.film.size.x) / float(std::max(scene.film.size.y, 1))));
+}
+
+void complete_model(Scene& scene) {
+    const std::vector<vec3> points = outline_points(scene);
+    if (points.empty()) return;
+    if (scene.cameras.empty()) fit_camera(scene);
+    if (!has_light(scene)) {
+        SkyEnvironment sky;
+        sky.sun_elevation = 42;
+        sky.sun_azimuth = -38;
+        scene.environment = sky;
+    }
+    float lowest = points[0].y, highest = points[0].y;
+    for (const vec3& p : points) {
+        lowest = std::min(lowest, p.y);
+        highest = std::max(highest, p.y);
+    }
+    // A hair below, so that a flat bottom and the ground never fight for the same place.
+    add_ground(scene, lowest - 1e-5f * std::max(highest - lowest, 1e-3f));
+}
+
+}  // namespace spinel
