@@ -1,21 +1,30 @@
 #include "formats/mesh_assimp.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <stdexcept>
 
 #include "formats/file_bytes.h"
 #include "formats/gltf_extras.h"
 #include "formats/mesh_attributes.h"
 #include "formats/mesh_material.h"
 #include "formats/mesh_textures.h"
+#include "formats/polygon.h"
 #include "image/tone_map.h"
 #include "kernels/materials.h"
 #include "scene/material_registry.h"
+
+// Debian's Assimp is built with its assertions on: a malformed file would end the program. The library calls
+// this function through the dynamic linker, so this definition takes its place; ReadFile() turns the
+// exception into an error.
+namespace Assimp {
+__attribute__((visibility("default"))) void aiAssertViolation(const char* expression, const char*, int) {
+    throw std::runtime_error(std::string("the file breaks the rule ") + expression);
+}
+}  // namespace Assimp
 
 namespace spinel {
 namespace {
@@ -43,14 +52,10 @@ class MeshLoader {
         if (std::filesystem::file_size(path_, error) > MAX_FILE)
             return cannot_read(path_,
                                "its size is more than the " + std::to_string(MAX_FILE) + " bytes allowed");
-        // Read first and look at what the file says, before any step works on it.
-        importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+        // As the file has it: what follows is ours, Assimp's own steps assume sound and unindexed meshes.
         source_ = importer_.ReadFile(path_.string(), 0);
         if (!source_) return library_error();
         if (Result<void> checked = check_meshes(); !checked) return checked.error();
-        source_ = importer_.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType);
-        if (!source_) return library_error();
-
         if (Result<void> made = make_materials(); !made) return made.error();
         if (Result<void> made = make_geometries(); !made) return made.error();
         if (Result<void> placed = place_nodes(); !placed) return placed.error();
@@ -128,8 +133,8 @@ class MeshLoader {
             MeshGeometry geometry = attributes(mesh);
             for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
                 const aiFace& face = mesh.mFaces[f];
-                if (face.mNumIndices == 3)
-                    geometry.triangles.emplace_back(face.mIndices[0], face.mIndices[1], face.mIndices[2]);
+                if (face.mNumIndices >= 3)
+                    triangulate(geometry.positions, {face.mIndices, face.mNumIndices}, geometry.triangles);
             }
             geometry_of_.push_back(geometry.triangles.empty() ? -1 : int(scene_.geometries.size()));
             if (geometry.triangles.empty()) continue;
