@@ -5,7 +5,9 @@
 // they answer.
 #include "kernels/box.h"
 #include "kernels/fresnel.h"
+#include "kernels/materials/diffuse.h"
 #include "kernels/microfacet.h"
+#include "kernels/phase.h"
 #include "kernels/random.h"
 #include "kernels/sphere.h"
 #include "kernels/triangle.h"
@@ -18,7 +20,7 @@ const uint CASE_BOX = 2u;
 const uint CASE_TRIANGLE = 3u;
 const uint CASE_SPHERE = 4u;
 const uint CASE_MICROFACET = 5u;
-const uint CASE_COUNT = 6u;
+const uint CASE_SCATTER = 6u;
 
 struct CaseResult {
     uvec4 exact;  // integers and decisions
@@ -77,8 +79,8 @@ FN CaseResult box_case(uint i) {
 
 FN CaseResult triangle_case(uint i) {
     Rng r = Rng(hash_uint(i));
-    // Neither slivers nor grazing rays: there the two compilers' roundings are amplified, and only the tests of
-    // watertightness have something to say.
+    // Neither slivers nor grazing rays: there the two compilers' roundings are amplified, and only the tests
+    // of watertightness have something to say.
     Triangle triangle;
     triangle.a = vec3(-1.0f, -1.0f, 0.0f) + draw_vector(r, -0.5f, 0.5f);
     triangle.b = vec3(1.0f, -1.0f, 0.0f) + draw_vector(r, -0.5f, 0.5f);
@@ -122,13 +124,32 @@ FN CaseResult microfacet_case(uint i) {
         vec4(fresnel_dielectric(wo.z, ior), fresnel_dielectric(wo.z, 1.0f / ior), metal.x, metal.z));
 }
 
+// Rough matte surfaces, and a phase function.
+FN CaseResult scatter_case(uint i) {
+    Rng r = Rng(hash_uint(i));
+    vec3 color = draw_vector(r, 0.1f, 0.9f);
+    Bsdf b;
+    b.color = color;
+    b.roughness = rng_1d(r);
+    diffuse_make(b);
+    vec3 wo = square_to_cosine_hemisphere(draw_2d(r));
+    vec3 wi = square_to_sphere(draw_2d(r));
+    BsdfSample s = diffuse_sample(b, wo, 0.0f, draw_2d(r));
+    float g = draw(r, -0.9f, 0.9f);
+    PhaseSample phase = phase_sample(g, wo, draw_2d(r));
+    return CaseResult(
+        uvec4(s.flags, 0u, 0u, 0u), diffuse_eval_pdf(b, wo, wi),
+        vec4(s.direction.x + s.direction.z, s.weight.y, phase.direction.x, phase_eval(g, wi.z)));
+}
+
 FN CaseResult kernel_case(uint kind, uint i) {
     if (kind == CASE_RANDOM) return random_case(i);
     if (kind == CASE_WARP) return warp_case(i);
     if (kind == CASE_BOX) return box_case(i);
     if (kind == CASE_TRIANGLE) return triangle_case(i);
     if (kind == CASE_SPHERE) return sphere_case(i);
-    return microfacet_case(i);
+    if (kind == CASE_MICROFACET) return microfacet_case(i);
+    return scatter_case(i);
 }
 
 KERNELS_END

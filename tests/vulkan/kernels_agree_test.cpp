@@ -86,7 +86,8 @@ INSTANTIATE_TEST_SUITE_P(Kernels, KernelsAgree,
                                          Kind{"box", kernels::CASE_BOX, 3e-5f},
                                          Kind{"triangle", kernels::CASE_TRIANGLE, 3e-5f},
                                          Kind{"sphere", kernels::CASE_SPHERE, 3e-5f},
-                                         Kind{"microfacet", kernels::CASE_MICROFACET, 3e-3f}),
+                                         Kind{"microfacet", kernels::CASE_MICROFACET, 3e-3f},
+                                         Kind{"scatter", kernels::CASE_SCATTER, 3e-3f}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
