@@ -66,6 +66,8 @@ MeshGeometry read_mesh(JsonContext& context, const JsonValue& value, const std::
     mesh.positions = read_vectors<vec3>(context, positions, 3, of("positions", what));
     mesh.normals = read_vectors<vec3>(context, value.find("normals"), 3, of("normals", what));
     mesh.uvs = read_vectors<vec2>(context, value.find("uvs"), 2, of("uvs", what));
+    mesh.tangents = read_vectors<vec4>(context, value.find("tangents"), 4, of("tangents", what));
+    mesh.colors = read_vectors<vec4>(context, value.find("colors"), 4, of("colors", what));
     mesh.slots = read_integers<std::uint32_t>(context, value.find("slots"), 65535, of("slots", what));
     if (!triangles || mesh.positions.empty()) return mesh;
     const std::string where = of("triangles", what);
@@ -149,6 +151,8 @@ Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& 
     const JsonValue* size = needed(context, value, "size", what, " with \"values\" (or \"file\")");
     const JsonValue* values = needed(context, value, "values", what, "");
     if (size) grid.size = context.json.size(*size, of("size", what)).value_or(ivec3(0));
+    if (const JsonValue* transform = value.find("transform"))
+        grid.index_to_local = read_transform(context, *transform, what);
     if (!values) return grid;
     const std::string where = of("values", what);
     context.json.elements(*values, where, [&](const JsonValue& element, std::size_t) {
@@ -214,10 +218,10 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
     GeometryParts parts;
     const JsonValue* file = record->find("file") ? value.find("file") : nullptr;
     if (file) {
-        const bool alone =
-            has_no(context, value,
-                   {"positions", "triangles", "normals", "uvs", "slots", "size", "cells", "layers", "values"},
-                   what, "file");
+        const bool alone = has_no(context, value,
+                                  {"positions", "triangles", "normals", "uvs", "tangents", "colors", "slots",
+                                   "size", "cells", "layers", "values", "transform"},
+                                  what, "file");
         if (!alone) return {};
         parts.from_file = true;
         parts.objects = read_model(context, *file, *record, what);

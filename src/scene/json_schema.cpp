@@ -157,6 +157,7 @@ OrderedJson definitions() {
     d["number_list"] = array_of(bounded("number", non_negative));
     d["vec2_list"] = array_of(array_of(number, 2));
     d["vec3_list"] = array_of(array_of(number, 3));
+    d["vec4_list"] = array_of(array_of(number, 4));
     d["index_list"] = array_of(index);
     d["index3_list"] = array_of(array_of(index, 3));
     d["size3"] = array_of(bounded("integer", {1, 65536}), 3);
@@ -220,6 +221,7 @@ std::string type_text(const Field& field) {
                 {"number_list", "list of numbers"},
                 {"vec2_list", "list of [u, v]"},
                 {"vec3_list", "list of [x, y, z]"},
+                {"vec4_list", "list of [x, y, z, w]"},
                 {"index_list", "list of whole numbers"},
                 {"index3_list", "list of [a, b, c]"},
                 {"size3", "[x, y, z], whole"},

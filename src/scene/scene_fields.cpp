@@ -235,6 +235,9 @@ const Family& geometry_family() {
                     by_hand("triangles", "index3_list", "Three vertex indices each, from 0."),
                     by_hand("normals", "vec3_list", "One a vertex; without them faces are flat."),
                     by_hand("uvs", "vec2_list", "One a vertex."),
+                    by_hand("tangents", "vec4_list",
+                            "One a vertex; the fourth number is the bitangent's sign."),
+                    by_hand("colors", "vec4_list", "One a vertex, linear; multiply the material's colour."),
                     by_hand("slots", "index_list", "Material slot of each triangle; all 0 without."),
                 }),
             record_by_hand("voxels", "Unit cubes; cell (i, j, k) fills [i, i+1)×[j, j+1)×[k, k+1).",
@@ -261,6 +264,8 @@ const Family& geometry_family() {
                     by_hand("values", "number_list",
                             "Densities ≥ 0, x fastest, then y, then z; sample (i, j, k) sits at "
                             "(i+½, j+½, k+½) of the box [0, size]."),
+                    by_hand("transform", "transform",
+                            "Of the box of `values` to the geometry's own space; as that of an object."),
                     by_hand("filter", "filter", "Look-up between samples; linear, or as the file has it."),
                 }),
             record_by_hand(

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "image/pixels.h"
+#include "scene/material_registry.h"
 #include "scene/scene_fields.h"
 
 namespace spinel {
@@ -89,6 +90,7 @@ struct overloaded : Functions... {
 
 // Of a material, by the sizes of what it refers to.
 Fault material_fault(const kernels::Material& m, const Scene& scene) {
+    if (!find_material_info(m.kind)) return "is of a kind that is not there";
     for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture,
                                         m.emission_texture, m.normal_texture, m.opacity_texture})
         if (texture != kernels::NONE && texture >= scene.textures.size())
