@@ -35,8 +35,10 @@ struct BvhSiblings {
 FN BvhSiblings bvh_siblings(BvhNodes nodes, uint left, const_in(SlabRay) ray, float t_max) {
     float enter_left = slab_entry(nodes.at[left].lower, nodes.at[left].upper, ray, t_max);
     float enter_right = slab_entry(nodes.at[left + 1u].lower, nodes.at[left + 1u].upper, ray, t_max);
-    uint right_nearer = enter_right < enter_left ? 1u : 0u;
-    return BvhSiblings(bvh_entry(nodes.at[left + right_nearer]), bvh_entry(nodes.at[left + 1u - right_nearer]),
+    uint entry_left = bvh_entry(nodes.at[left]);
+    uint entry_right = bvh_entry(nodes.at[left + 1u]);
+    bool right_nearer = enter_right < enter_left;
+    return BvhSiblings(right_nearer ? entry_right : entry_left, right_nearer ? entry_left : entry_right,
                        min(enter_left, enter_right), max(enter_left, enter_right));
 }
 
