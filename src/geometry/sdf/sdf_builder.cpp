@@ -222,7 +222,7 @@ class Emitter {
     // lies too far away to count; large groups are halved, along their longest axis where the order of the
     // fold is free.
     void emit_group(const SdfTree& node, std::span<const SdfTree*> group, uint total, const Place& place) {
-        constexpr double worth_a_test = 20;  // instructions: about what the test costs
+        constexpr double worth_a_test = 20;  // instructions; measured: a test of less costs what it saves
         constexpr double worth_halving = 60;
         uint op = node.operation->kernel_op;
         vec4 data(node.numbers.empty() ? 0.0f : node.numbers[0], 0, 0, 0);  // k of smooth folds
@@ -341,9 +341,9 @@ Result<SdfData> build_sdf(const SdfGeometry& geometry) {
     if (geometry.bounds) {
         SdfBox bounds = {dvec3(geometry.bounds->first), dvec3(geometry.bounds->second)};
         if (!glm::all(glm::lessThan(bounds.lower, bounds.upper)) || !is_finite(bounds)) {
-            return Error{
-                fmt::format("bounds go from {} to {}: the upper corner must be greater on every axis",
-                            text_of(bounds.lower), text_of(bounds.upper))};
+            return Error{fmt::format(
+                "bounds go from {} to {}: they must be finite and the upper corner greater on every axis",
+                text_of(bounds.lower), text_of(bounds.upper))};
         }
         clipped = glm::any(glm::greaterThanEqual(bounds.lower, solid.lower)) ||
                   glm::any(glm::lessThanEqual(bounds.upper, solid.upper));
