@@ -2,8 +2,8 @@
 """Checks that includes only point to the same or an earlier room, and that a source includes its own header first.
 
 The rooms, in order, are the folders of src/; include/spinel/ counts as scene, but for scene.h: it is the plain data that
-a user wrote down, the builders of geometry read its records, and so it stands, with what it may include, at image. kernels is stricter: it is the physics in
-the common subset of C++ and GLSL and includes nothing but itself. Tests, benchmarks and examples may include anything.
+a user wrote down, the builders of geometry read its records, and so it stands, with what it may include, at image.
+kernels is stricter: it is the physics in the common subset of C++ and GLSL and includes nothing but itself. Tests, benchmarks and examples may include anything.
 Usage: tools/check-includes.py [ROOT]; prints file:line for every violation and exits 1 if there is one.
 """
 import pathlib
