@@ -181,9 +181,11 @@ int main() {
     CONSTANT(DENSE_MISSING_AVERAGE_FIRST);
 #undef CONSTANT
     const uint words = (TABLE_COUNT + 1) / 2;
-    std::printf("\nconst uint MICROFACET_TABLE[%u] = {", words);
-    for (uint i = 0; i < words; ++i)
+    constant("MICROFACET_TABLE_COUNT", words);
+    std::printf("\n#ifndef SPINEL_TABLE_ELSEWHERE\nconst uint MICROFACET_TABLE[%u] = {", words);
+    for (uint i = 0; i < words; ++i) {
         std::printf("%s0x%08xu%s", i % 9 == 0 ? "\n    " : " ", MICROFACET_TABLE[i],
                     i + 1 < words ? "," : "");
-    std::printf("};\n\nKERNELS_END\n#endif\n");
+    }
+    std::printf("};\n#endif\n\nKERNELS_END\n#endif\n");
 }

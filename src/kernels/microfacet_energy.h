@@ -7,13 +7,34 @@
 // shape. The lobe
 //   f = (1 − E(o)) (1 − E(i)) / (π (1 − E_average))
 // has albedo 1 − E(o), so the sum is one up to the tables' error (below 0.3 % for conductors).
+//
+// C++ reads the table where it stands. A shader reads it from the scene's words, as some compilers copy a
+// constant array at every use: microfacet_begin(scene) must come before a material is evaluated (surface_bsdf
+// sees to it).
 #include "microfacet.h"
+#include "scene_view.h"
+#ifdef __cplusplus
 #include "microfacet_tables.h"
+KERNELS_BEGIN
+FN void microfacet_begin(const_in(SceneView)) {}
+FN uint microfacet_word(uint i) { return MICROFACET_TABLE[i]; }
+KERNELS_END
+#else
+#define SPINEL_TABLE_ELSEWHERE
+#include "microfacet_tables.h"
+Words microfacet_words;
+uint microfacet_first;
+void microfacet_begin(const in SceneView scene) {
+    microfacet_words = scene.words;
+    microfacet_first = scene.microfacet_first;
+}
+uint microfacet_word(uint i) { return microfacet_words.at[microfacet_first + i]; }
+#endif
 KERNELS_BEGIN
 
 // Two values to a word, 16 bits each, over [0, 1].
 FN float microfacet_table(uint i) {
-    uint word = MICROFACET_TABLE[i >> 1];
+    uint word = microfacet_word(i >> 1);
     return float((i & 1u) == 0u ? word & 0xffffu : word >> 16) * (1.0f / 65535.0f);
 }
 

@@ -299,6 +299,7 @@ struct SceneView {
     vec3 scene_center;
     uint camera_inside_count;  // interiors that the camera starts in …
     uint camera_inside_first;  // … in words
+    uint microfacet_first;     // MICROFACET_TABLE in words, for shaders (microfacet_energy.h)
 };
 BUFFER(SceneViews, SceneView)
 

@@ -163,6 +163,7 @@ FN Bsdf surface_bsdf(const_in(SceneView) scene, const_in(Surface) s, float n_rat
     }
     if (m.roughness_texture != NONE) roughness *= texture_at(scene, m.roughness_texture, s.uv).y;
     if (m.metallic_texture != NONE) metallic *= texture_at(scene, m.metallic_texture, s.uv).z;
+    microfacet_begin(scene);
     return make_bsdf(m, color, roughness, metallic, n_ratio);
 }
 

@@ -9,6 +9,7 @@
 #include "geometry/voxels/voxel_builder.h"
 #include "kernels/camera.h"
 #include "kernels/locate.h"
+#include "kernels/microfacet_tables.h"
 #include "kernels/traverse.h"
 #include "scene/compilation.h"
 #include "scene/validate.h"
@@ -69,6 +70,7 @@ kernels::SceneView CompiledScene::view() const {
     v.scene_center = 0.5f * (lower + upper);
     v.camera_inside_count = camera_inside_count;
     v.camera_inside_first = camera_inside_first;
+    v.microfacet_first = microfacet_first;
     return v;
 }
 
@@ -329,6 +331,8 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     }
     build_top_level(c);
     add_environment(c);
+    out.microfacet_first = uint(out.words.size());
+    out.words.insert(out.words.end(), std::begin(kernels::MICROFACET_TABLE), std::end(kernels::MICROFACET_TABLE));
     add_infinite_and_point_lights(c);
     add_surface_lights(c);
     build_light_table(out);

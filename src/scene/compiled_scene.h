@@ -38,6 +38,7 @@ struct CompiledScene {
     std::uint32_t infinite_light_count = 0;
     std::uint32_t camera_inside_first = 0;
     std::uint32_t camera_inside_count = 0;
+    std::uint32_t microfacet_first = 0;
     vec3 lower = {0, 0, 0};  // of all that is bounded, in world space
     vec3 upper = {0, 0, 0};
 

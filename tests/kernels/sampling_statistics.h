@@ -66,7 +66,7 @@ inline double chi_square_test(const std::vector<double>& observed, const std::ve
 
 // ∫∫ f over a rectangle: 3×3 Gauss–Legendre, split where splitting changes the result.
 inline double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
-                        double y1, double tolerance, int depth = 0) {
+                        double y1, double tolerance, int max_depth = 9, int depth = 0) {
     auto gauss = [&](double ax, double bx, double ay, double by) {
         static constexpr double node[3] = {-0.7745966692414834, 0, 0.7745966692414834};
         static constexpr double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
@@ -84,11 +84,11 @@ inline double integrate(const std::function<double(double, double)>& f, double x
     const double whole = gauss(x0, x1, y0, y1);
     const double split =
         gauss(x0, xm, y0, ym) + gauss(xm, x1, y0, ym) + gauss(x0, xm, ym, y1) + gauss(xm, x1, ym, y1);
-    if (depth >= 2 && (std::abs(whole - split) <= tolerance || depth >= 9)) return split;
-    return integrate(f, x0, xm, y0, ym, tolerance / 2, depth + 1) +
-           integrate(f, xm, x1, y0, ym, tolerance / 2, depth + 1) +
-           integrate(f, x0, xm, ym, y1, tolerance / 2, depth + 1) +
-           integrate(f, xm, x1, ym, y1, tolerance / 2, depth + 1);
+    if (depth >= 2 && (std::abs(whole - split) <= tolerance || depth >= max_depth)) return split;
+    return integrate(f, x0, xm, y0, ym, tolerance / 2, max_depth, depth + 1) +
+           integrate(f, xm, x1, y0, ym, tolerance / 2, max_depth, depth + 1) +
+           integrate(f, x0, xm, ym, y1, tolerance / 2, max_depth, depth + 1) +
+           integrate(f, xm, x1, ym, y1, tolerance / 2, max_depth, depth + 1);
 }
 
 // Histogram over the sphere by z and φ, and what a density predicts for it. Samples without a direction
@@ -113,7 +113,7 @@ class SphereChiSquare {
     }
 
     // pdf per solid angle. dω = dz dφ.
-    double p_value(const std::function<double(glm::vec3)>& pdf) {
+    double p_value(const std::function<double(glm::vec3)>& pdf, int max_depth = 9) {
         std::vector<double> expected;
         double sum = 0;
         auto f = [&](double z, double phi) {
@@ -122,8 +122,9 @@ class SphereChiSquare {
         };
         for (int i = 0; i < z_bins_; ++i) {
             for (int j = 0; j < phi_bins_; ++j) {
-                const double mass = integrate(f, 2.0 * i / z_bins_ - 1, 2.0 * (i + 1) / z_bins_ - 1,
-                                              2 * M_PI * j / phi_bins_, 2 * M_PI * (j + 1) / phi_bins_, 1e-6);
+                const double mass =
+                    integrate(f, 2.0 * i / z_bins_ - 1, 2.0 * (i + 1) / z_bins_ - 1, 2 * M_PI * j / phi_bins_,
+                              2 * M_PI * (j + 1) / phi_bins_, 0.1 / count_, max_depth);
                 expected.push_back(mass * count_);
                 sum += mass;
             }

@@ -89,7 +89,7 @@ TEST(Sky, passes_the_horizon_without_a_step) {
                 const vec3 here =
                     sky_radiance(vec3(r * std::cos(azimuth), y, r * std::sin(azimuth)), sun_at(elevation), 1);
                 if (y < 0.003f) {
-                    EXPECT_LT(glm::length(here - before), 0.05f * glm::length(horizon) + 1e-4f) << y;
+                    EXPECT_LT(glm::length(here - before), 0.08f * glm::length(horizon) + 1e-4f) << y;
                 }
                 if (is_black(horizon)) horizon = here;
                 before = here;
