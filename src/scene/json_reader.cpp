@@ -1,7 +1,5 @@
 #include "scene/json_reader.h"
 
-#include <set>
-
 #include "scene/json_context.h"
 #include "scene/validate.h"
 
