@@ -14,7 +14,9 @@ struct PixelBuffer {
     int height = 0;
     int channels = 0;  // 1 … 4
     std::variant<std::vector<std::uint8_t>, std::vector<float>> data;
-    std::size_t value_count() const { return std::size_t(width) * std::size_t(height) * std::size_t(channels); }
+    std::size_t value_count() const {
+        return std::size_t(width) * std::size_t(height) * std::size_t(channels);
+    }
 };
 
 // A named plane of floats, as a film or an EXR layer holds it.
@@ -23,7 +25,9 @@ struct Image {
     int height = 0;
     int channels = 3;
     std::vector<float> values;
-    float* at(int x, int y) { return values.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels); }
+    float* at(int x, int y) {
+        return values.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels);
+    }
     const float* at(int x, int y) const { return const_cast<Image*>(this)->at(x, y); }
 };
 
