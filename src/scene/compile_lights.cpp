@@ -146,6 +146,24 @@ double power_of(const CompiledScene& out, const kernels::Light& light) {
     }
 }
 
+// Power alone would nearly forget the sky beside the sun, and in the sun's shadow the sky is all there is. So a quarter of
+// the samples is shared evenly between the infinite lights, each by itself, and all others together.
+std::vector<double> light_probabilities(const CompiledScene& out) {
+    const std::size_t n = out.lights.size(), infinite = out.infinite_light_count;
+    std::vector<double> power(n);
+    double total = 0, finite = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        total += power[i] = power_of(out, out.lights[i]);
+        if (i >= infinite) finite += power[i];
+    }
+    if (!(total > 0)) return std::vector<double>(n, 1.0 / double(n));
+    const double groups = double(infinite) + (finite > 0 ? 1 : 0);
+    std::vector<double> p(n);
+    for (std::size_t i = 0; i < n; ++i)
+        p[i] = 0.75 * power[i] / total + 0.25 / groups * (i < infinite ? 1.0 : finite > 0 ? power[i] / finite : 0.0);
+    return p;
+}
+
 }  // namespace
 
 void add_infinite_and_point_lights(Compilation& c) {
@@ -209,18 +227,12 @@ void add_surface_lights(Compilation& c) {
 void build_light_table(CompiledScene& out) {
     const std::size_t n = out.lights.size();
     out.light_table.assign(n, {1.0f, 0, 0.0f});
-    double total = 0;
-    std::vector<double> power(n);
-    for (std::size_t i = 0; i < n; ++i) total += power[i] = power_of(out, out.lights[i]);
-    if (!(total > 0)) {
-        for (std::size_t i = 0; i < n; ++i) out.light_table[i] = {1.0f, uint(i), float(1.0 / double(n))};
-        return;
-    }
+    const std::vector<double> p = light_probabilities(out);
     std::vector<double> scaled(n);
     std::vector<uint> small, large;
     for (std::size_t i = 0; i < n; ++i) {
-        out.light_table[i].probability = float(power[i] / total);
-        scaled[i] = power[i] / total * double(n);
+        out.light_table[i].probability = float(p[i]);
+        scaled[i] = p[i] * double(n);
         (scaled[i] < 1 ? small : large).push_back(uint(i));
     }
     while (!small.empty() && !large.empty()) {
