@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/result.h"
@@ -25,6 +26,11 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> info_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> list_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> trace_command(CLI::App& app, const CommonOptions& common);
+
+// Names of files may be any bytes, JSON is UTF-8: what is not becomes U+FFFD.
+inline std::string json_text(const nlohmann::ordered_json& json, int indent) {
+    return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 // Prints "spinel: message" to stderr and gives exit_bad_input.
 int fail(const Error& error);

@@ -131,7 +131,7 @@ int run(const std::vector<std::string>& files, const CommonOptions& common) {
         Json json = describe(*scene);
         if (common.json) {
             json["file"] = file;
-            fmt::print("{}\n", json.dump(2));
+            fmt::print("{}\n", json_text(json, 2));
         } else {
             print(file, json);
         }

@@ -70,7 +70,7 @@ std::function<int()> list_command(CLI::App& app, const CommonOptions& common) {
                 else fmt::print("{}{:<18} {}\n", wanted->empty() ? "  " : "", entry.name, entry.doc);
             }
         }
-        if (common.json) fmt::print("{}\n", json.dump(2));
+        if (common.json) fmt::print("{}\n", json_text(json, 2));
         return int(exit_ok);
     };
 }

@@ -1,5 +1,6 @@
 // spinel: the command line. Messages go to stderr, results to stdout.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
@@ -45,10 +46,20 @@ constexpr Row commands[] = {
      trace_command},
 };
 
+// One line; CLI11 spreads some complaints over several, and calls an unknown subcommand a missing one.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+    std::string message = error.what(), names;
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    const std::vector<CLI::App*> chosen = app.get_subcommands();
+    if (!chosen.empty()) return fmt::format("{}; see spinel {} --help", message, chosen[0]->get_name());
+    for (const Row& row : commands) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    if (argc > 1 && argv[1][0] != '-') message = fmt::format("unknown subcommand '{}'", argv[1]);
+    return fmt::format("{}; available: {}; see spinel --help", message, names);
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"Spinel: path-traced pictures of voxels, volumes, implicit surfaces and meshes.", "spinel"};
     app.require_subcommand(1);
-    app.failure_message(CLI::FailureMessage::simple);
     app.set_version_flag("--version", SPINEL_VERSION);
     CommonOptions common;
     std::function<int()> chosen;
@@ -63,8 +74,9 @@ int run(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        const int code = app.exit(error);  // prints help or the complaint
-        return code == 0 ? exit_ok : exit_usage;
+        if (error.get_exit_code() == 0) return app.exit(error);  // prints help or the version
+        fail({usage_message(app, error, argc, argv)});
+        return exit_usage;
     }
     return chosen();
 }

@@ -1,8 +1,13 @@
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -71,8 +76,8 @@ Result<Crop> parse_crop(const std::string& text) {
     Crop c;
     int used = 0;
     if (std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &c.lower.x, &c.lower.y, &c.upper.x, &c.upper.y, &used) != 4 ||
-        std::size_t(used) != text.size())
-        return Error{fmt::format("--crop '{}': expected LEFT,TOP,RIGHT,BOTTOM in pixels", text)};
+        std::size_t(used) != text.size() || c.lower.x < 0 || c.lower.y < 0 || c.upper.x <= c.lower.x || c.upper.y <= c.lower.y)
+        return Error{fmt::format("--crop '{}': expected LEFT,TOP,RIGHT,BOTTOM in pixels from the top left, not empty", text)};
     return c;
 }
 
@@ -84,15 +89,38 @@ Result<ToneMap> parse_tone_map(const std::string& text, ToneMap fallback) {
     return Error{fmt::format("unknown tone map '{}'; available: linear, aces, agx", text)};
 }
 
-// Several inputs need a place each: a folder, or a name with {name} in it.
-Result<fs::path> output_path(const Options& o, const fs::path& input) {
+fs::path output_path(const Options& o, const fs::path& input) {
     const std::string stem = input.stem().string();
     const std::size_t at = o.output.find("{name}");
     if (at != std::string::npos) return fs::path(std::string(o.output).replace(at, 6, stem));
     if (fs::is_directory(o.output) || o.output.ends_with('/')) return fs::path(o.output) / (stem + ".png");
-    if (o.inputs.size() > 1)
-        return Error{fmt::format("-o '{}': {} inputs need a folder, or a name with {{name}} in it", o.output, o.inputs.size())};
     return fs::path(o.output);
+}
+
+// Several inputs need a place each: a folder, or a name with {name} in it.
+Result<void> check_outputs(const Options& o) {
+    std::map<fs::path, const std::string*> taken;
+    for (const std::string& input : o.inputs) {
+        const fs::path output = output_path(o, input);
+        const auto [other, is_new] = taken.emplace(output.lexically_normal(), &input);
+        if (is_new) continue;
+        if (output == fs::path(o.output))
+            return Error{fmt::format("-o '{}': {} inputs need a folder, or a name with {{name}} in it", o.output, o.inputs.size())};
+        return Error{fmt::format("'{}' and '{}' would both become '{}'", *other->second, input, output.string())};
+    }
+    return {};
+}
+
+// Makes the folder of a picture. Noticed now, and not when hours of rendering are done.
+Result<void> prepare_folder(const fs::path& output) {
+    const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
+    std::error_code error;
+    if (fs::is_directory(output, error)) return Error{fmt::format("cannot write '{}': that is a folder", output.string())};
+    fs::create_directories(folder, error);
+    if (error) return Error{fmt::format("cannot write '{}': no folder '{}': {}", output.string(), folder.string(), error.message())};
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        return Error{fmt::format("cannot write '{}': folder '{}': {}", output.string(), folder.string(), std::strerror(errno))};
+    return {};
 }
 
 double user_cpu_seconds() {
@@ -113,8 +141,6 @@ const char* reason_text(StopReason reason) {
 
 Result<void> save(const fs::path& path, const FilmBuffer& film, const Options& o, const Film& settings,
                   const ImageMetadata& metadata) {
-    std::error_code ignored;
-    if (!path.parent_path().empty()) fs::create_directories(path.parent_path(), ignored);
     const float exposure = std::isnan(o.exposure) ? settings.exposure : float(o.exposure);
     const Image radiance = film.radiance();
     const bool exr = path.extension() == ".exr";
@@ -154,16 +180,17 @@ struct Run {
     RenderOptions render;
 
     Result<int> operator()(const fs::path& input) const {
-        const Result<fs::path> output = output_path(o, input);
-        if (!output) return output.error();
-        if (output->extension() != ".png" && output->extension() != ".exr")
-            return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output->string())};
+        const fs::path output = output_path(o, input);
+        if (output.extension() != ".png" && output.extension() != ".exr")
+            return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output.string())};
         const Result<Scene> scene = load_scene(input, size);
         if (!scene) return scene.error();
+        if (o.check && !scene->expected) return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
         const Result<CompiledScene> compiled = compile(*scene, {.camera = o.camera, .size = size});
         if (!compiled) return Error{fmt::format("{}: {}", input.string(), compiled.error().message)};
         const Result<std::unique_ptr<Device>> device = make_device(o.device);
         if (!device) return device.error();
+        if (Result<void> prepared = prepare_folder(output); !prepared) return prepared.error();
         const double cpu_before = user_cpu_seconds();
         Result<RenderResult> result = [&] {
             ProgressLine line(input.filename().string(), common.quiet);
@@ -189,17 +216,17 @@ struct Run {
             {"spinel.film", fmt::format("{}x{}", film.size.x, film.size.y)},
             {"spinel.crop", fmt::format("{},{},{},{}", film.crop.lower.x, film.crop.lower.y, film.crop.upper.x, film.crop.upper.y)},
         };
-        if (Result<void> saved = save(*output, film, o, scene->film, metadata); !saved) return saved.error();
+        if (Result<void> saved = save(output, film, o, scene->film, metadata); !saved) return saved.error();
 
         glm::dvec3 mean(0);
         for (const FilmPixel& p : film.pixels) mean += p.sum / double(std::max(p.count, 1u));
         mean /= double(film.pixels.size());
-        if (film.bound_reached > 0)
+        if (film.bound_reached > 0 && !common.quiet)
             fmt::print(stderr, "spinel: warning: {} of {} paths were cut at a safety bound; the picture is darker than it should be\n",
                        film.bound_reached, film.sample_count());
         if (common.json) {
             const nlohmann::ordered_json json = {{"input", input.string()},
-                                                 {"output", output->string()},
+                                                 {"output", output.string()},
                                                  {"width", film.crop.size().x},
                                                  {"height", film.crop.size().y},
                                                  {"spp", spp},
@@ -208,16 +235,16 @@ struct Run {
                                                  {"paths_per_second", double(film.sample_count()) / std::max(result->seconds, 1e-9)},
                                                  {"mean", {mean.x, mean.y, mean.z}},
                                                  {"relative_error", film.relative_error()},
+                                                 {"paths_cut", film.bound_reached},
                                                  {"stopped_by", reason_text(result->reason)}};
-            fmt::print("{}\n", json.dump());
+            fmt::print("{}\n", json_text(json, -1));
         } else if (!common.quiet) {
-            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s), noise {:.2g}{}\n", output->string(), film.crop.size().x,
+            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s), noise {:.2g}{}\n", output.string(), film.crop.size().x,
                        film.crop.size().y, spp, duration_text(result->seconds),
                        1e-6 * double(film.sample_count()) / std::max(result->seconds, 1e-9), film.relative_error(),
                        result->reason == StopReason::interrupted ? ", interrupted" : "");
         }
         if (o.check) {
-            if (!scene->expected) return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
             if (!as_expected(*scene->expected, vec3(mean))) {
                 const vec3 e = scene->expected->mean;
                 fmt::print(stderr, "spinel: {}: mean ({:.6g}, {:.6g}, {:.6g}), expected ({:.6g}, {:.6g}, {:.6g}) within {:.3g} %\n",
@@ -240,6 +267,7 @@ int run(const Options& o, const CommonOptions& common) {
         if (!time) return fail(time.error()), int(exit_usage);
         options.time_limit = *time;
     }
+    if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error()), int(exit_usage);
     // What would only be noticed after the rendering is checked before it.
     if (const auto tone_map = parse_tone_map(o.tone_map, ToneMap::agx); !tone_map) return fail(tone_map.error()), int(exit_usage);
     for (const std::string& name : o.aovs)
@@ -268,12 +296,15 @@ int run(const Options& o, const CommonOptions& common) {
 
 std::function<int()> render_command(CLI::App& app, const CommonOptions& common) {
     auto o = std::make_shared<Options>();
+    // NaN passes every range check of CLI11.
+    const CLI::Validator finite(
+        [](const std::string& text) { return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a finite number"; }, "");
     app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`")->required();
     app.add_option("-o,--output", o->output, "picture: .png or .exr; for several inputs a folder, or a name with {name} in it")->required();
     app.add_option("--size", o->size, "WIDTHxHEIGHT in pixels (default: the scene's, else 1280x720)");
     app.add_option("--spp", o->spp, "samples per pixel (default: the scene's, else 64)")->check(CLI::Range(1, 1 << 30));
     app.add_option("--time", o->time, "stop after this long: 30s, 5m, 1h");
-    app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")->check(CLI::Range(1e-6, 1.0));
+    app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")->check(finite)->check(CLI::Range(1e-6, 1.0));
     app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
     app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")->check(CLI::Range(-1, 1 << 20));
     app.add_option("--device", o->device, "`spinel list devices`")->capture_default_str();
@@ -283,7 +314,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--camera", o->camera, "one of the scene's cameras by name");
     app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');
     app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
-    app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)");
+    app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite);
     app.add_flag("--check", o->check, "compare the mean with the scene's \"expected\"; exit code 3 if it differs");
     return [o, &common] { return run(*o, common); };
 }

@@ -1,0 +1,13 @@
+// Meshes through Assimp: the first byte chooses the format, the rest is the file. What Assimp itself throws
+// or asserts on must not get past the readers.
+
+#include "fuzz_scene.h"
+#include "spinel/formats.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    static const char* const names[] = {"input.obj", "input.ply", "input.stl",
+                                        "input.off", "input.glb", "input.gltf"};
+    if (size == 0) return 0;
+    spinel::check_scene(spinel::load_model(spinel::fuzz_file(names[data[0] % 6], data + 1, size - 1)));
+    return 0;
+}
