@@ -1,0 +1,11 @@
+# find_package(spinel): the library as spinel::spinel. What it was linked with is found again here, by the same means.
+include(CMakeFindDependencyMacro)
+find_dependency(Threads)
+find_dependency(TBB)
+find_dependency(glm)
+find_dependency(assimp)
+find_dependency(nlohmann_json)
+find_dependency(fmt)
+find_dependency(spdlog)
+include("${CMAKE_CURRENT_LIST_DIR}/SpinelOpenImageIO.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/spinelTargets.cmake")
