@@ -63,7 +63,7 @@ FN float erosion_bound(uint kind, float strength) {
 // Density at a world position, ≥ 0.
 FN float medium_density(const_in(SceneView) scene, const_in(Medium) m, vec3 p) {
     if (m.grid == NONE) return 1.0f;
-    DensityGrid grid = scene.grids.at[m.grid];
+    RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     vec3 index = m.world_to_grid * vec4(p, 1.0f);
     float d = grid_density(scene, grid, index);
     if (d > 0.0f && m.erosion != EROSION_NONE) d *= erosion_factor(m, index / vec3(grid.size));

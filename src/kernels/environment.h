@@ -27,7 +27,7 @@ FN vec3 environment_texel(const_in(SceneView) scene, const_in(Environment) e, in
 
 // Radiance that arrives from a unit world direction.
 FN vec3 environment_radiance(const_in(SceneView) scene, vec3 direction) {
-    Environment e = scene.environment;
+    RECORD(Environment) e = scene.environment;
     if (e.width == 0u) return vec3(0.0f);
     if (e.width == 1u && e.height == 1u) return environment_texel(scene, e, 0, 0);
     vec2 uv = equirect_uv(e.world_to_local * direction);
@@ -58,7 +58,7 @@ FN uint cumulative_find(const_in(SceneView) scene, uint first, uint count, float
 
 // Density over solid angle [1/sr] of environment_sample: constant within a texel.
 FN float environment_pdf(const_in(SceneView) scene, vec3 direction) {
-    Environment e = scene.environment;
+    RECORD(Environment) e = scene.environment;
     if (e.light == NONE) return 0.0f;
     vec2 uv = equirect_uv(e.world_to_local * direction);
     uint x = min(uint(uv.x * float(e.width)), e.width - 1u);
@@ -73,7 +73,7 @@ FN float environment_pdf(const_in(SceneView) scene, vec3 direction) {
 
 // A world direction, in proportion to luminance: a texel, then uniform over its solid angle.
 FN vec3 environment_sample(const_in(SceneView) scene, vec2 u) {
-    Environment e = scene.environment;
+    RECORD(Environment) e = scene.environment;
     uint y = cumulative_find(scene, e.marginal_first, e.height, u.y);
     float c0 = scene.floats.at[e.marginal_first + y];
     float c1 = scene.floats.at[e.marginal_first + y + 1u];

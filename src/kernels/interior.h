@@ -49,7 +49,7 @@ FN uint inside_dielectric(const_in(SceneView) scene, const_in(Inside) list) {
     uint winner = NONE;
     int priority = 0;
     for (uint i = 0u; i < list.count; ++i) {
-        Interior interior = scene.interiors.at[list.entries[i]];
+        RECORD(Interior) interior = scene.interiors.at[list.entries[i]];
         if (interior.ior > 0.0f && (winner == NONE || interior.priority > priority)) {
             winner = list.entries[i];
             priority = interior.priority;
@@ -82,13 +82,13 @@ FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
     bool winner_taken = false;
     for (uint i = 0u; i < list.count; ++i) {
         uint entry = list.entries[i];
-        Interior interior = scene.interiors.at[entry];
+        RECORD(Interior) interior = scene.interiors.at[entry];
         if (interior.medium == NONE) continue;
         if (interior.ior > 0.0f) {
             if (entry != winner || winner_taken) continue;
             winner_taken = true;
         }
-        Medium medium = scene.media.at[interior.medium];
+        RECORD(Medium) medium = scene.media.at[interior.medium];
         if ((medium.flags & MEDIUM_ABSORBS_ONLY) != 0u) {
             m.absorption += medium.absorption;
         } else if (m.count < MAX_MEDIA) {

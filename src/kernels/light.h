@@ -30,7 +30,7 @@ FN vec3 light_emission(const_in(SceneView) scene, const_in(Light) light, vec2 b)
     if (light.material == NONE) return light.radiance;
     vec2 uv = b;
     if (light.kind == LIGHT_TRIANGLE && scene.materials.at[light.material].emission_texture != NONE) {
-        Mesh mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
+        RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
         uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
         uv = (1.0f - b.x - b.y) * scene.attributes.at[mesh.vertex_first + v.x].uv +
              b.x * scene.attributes.at[mesh.vertex_first + v.y].uv + b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
@@ -54,7 +54,7 @@ FN vec3 cone_direction(vec3 axis, float one_minus_cos, vec2 u) {
 FN LightSample no_light() { return LightSample(vec3(0.0f, 1.0f, 0.0f), 0.0f, vec3(0.0f), 0.0f, false); }
 
 FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from, vec2 u) {
-    Light light = scene.lights.at[index];
+    RECORD(Light) light = scene.lights.at[index];
     float p = scene.light_table.at[index].probability;
     if (light.kind == LIGHT_ENVIRONMENT) {
         vec3 d = environment_sample(scene, u);
@@ -139,7 +139,7 @@ FN uint light_of_primitive(const_in(SceneView) scene, const_in(Instance) instanc
 // Density with which sample_light(from) would have found a point of an emissive surface, `distance` along `direction`.
 FN float light_pdf(const_in(SceneView) scene, uint index, vec3 from, vec3 direction, float distance) {
     if (index == NONE) return 0.0f;
-    Light light = scene.lights.at[index];
+    RECORD(Light) light = scene.lights.at[index];
     float p = scene.light_table.at[index].probability;
     if (light.kind == LIGHT_SPHERE) {
         vec3 to = light.position - from;

@@ -48,7 +48,7 @@ FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, const_in(De
 FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, vec3 origin, vec3 direction, float t_max) {
     MajorantWalk w = MajorantWalk(1.0f, t_max, t_max, vec3(t_max), vec3(0.0f), ivec3(0), ivec3(0), false);
     if (m.grid == NONE) return w;
-    DensityGrid grid = scene.grids.at[m.grid];
+    RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     vec3 o = m.world_to_grid * vec4(origin, 1.0f);
     vec3 d = m.world_to_grid * vec4(direction, 0.0f);
     float t0 = 0.0f;
@@ -105,7 +105,7 @@ FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_
         w.t_leave = -1.0f;
         return;
     }
-    DensityGrid grid = scene.grids.at[m.grid];
+    RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     if (w.before_grid) {
         w.before_grid = false;
     } else if (w.t_cross.x <= w.t_cross.y && w.t_cross.x <= w.t_cross.z) {
@@ -140,7 +140,7 @@ FN void media_walk_bound(const_in(SceneView) scene, const_in(ActiveMedia) media,
     w.majorant = vec3(0.0f);
     w.t_next = t_max;
     for (uint i = 0u; i < media.count; ++i) {
-        Medium m = scene.media.at[media.ids[i]];
+        RECORD(Medium) m = scene.media.at[media.ids[i]];
         w.majorant += w.walks[i].majorant * (m.scattering + m.absorption);
         w.t_next = min(w.t_next, w.walks[i].t_next);
     }
@@ -172,7 +172,7 @@ struct MediumPoint {
 FN MediumPoint media_at(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p) {
     MediumPoint point = MediumPoint(vec3(0.0f), vec3(0.0f), vec3(0.0f));
     for (uint i = 0u; i < media.count; ++i) {
-        Medium m = scene.media.at[media.ids[i]];
+        RECORD(Medium) m = scene.media.at[media.ids[i]];
         float density = medium_density(scene, m, p);
         point.scattering += density * m.scattering;
         point.absorption += density * m.absorption;
@@ -186,13 +186,13 @@ FN uint pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveMedia) 
     if (media.count == 1u) return media.ids[0];
     float total = 0.0f;
     for (uint i = 0u; i < media.count; ++i) {
-        Medium m = scene.media.at[media.ids[i]];
+        RECORD(Medium) m = scene.media.at[media.ids[i]];
         total += medium_density(scene, m, p) * average(m.scattering);
     }
     float remaining = u * total;
     uint chosen = media.ids[media.count - 1u];
     for (uint i = 0u; i < media.count; ++i) {
-        Medium m = scene.media.at[media.ids[i]];
+        RECORD(Medium) m = scene.media.at[media.ids[i]];
         remaining -= medium_density(scene, m, p) * average(m.scattering);
         if (remaining < 0.0f) return media.ids[i];
     }
@@ -276,7 +276,7 @@ FN void attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
     if (media.homogeneous) {
         vec3 extinction = vec3(0.0f);
         for (uint i = 0u; i < media.count; ++i) {
-            Medium m = scene.media.at[media.ids[i]];
+            RECORD(Medium) m = scene.media.at[media.ids[i]];
             extinction += m.scattering + m.absorption;
         }
         vec3 transmittance = exp(-extinction * t_max);

@@ -101,7 +101,7 @@ FN void gather_infinite(const_in(SceneView) scene, inout(PathState) state) {
     float p = scene.environment.light == NONE ? 0.0f : scene.light_table.at[scene.environment.light].probability;
     gather(state, environment_radiance(scene, d), p > 0.0f ? p * environment_pdf(scene, d) : 0.0f);
     for (uint i = 0u; i < scene.infinite_light_count; ++i) {
-        Light light = scene.lights.at[i];
+        RECORD(Light) light = scene.lights.at[i];
         if (light.kind == LIGHT_DIRECTIONAL && directional_seen(light, d))
             gather(state, light.radiance, scene.light_table.at[i].probability / (2.0f * PI * disc_one_minus_cos(light.radius)));
     }
@@ -129,8 +129,9 @@ FN void russian_roulette(const_in(PathSettings) settings, inout(PathState) state
     if (state.bounces < settings.roulette_start) return;
     float carried = max_component(state.weights.throughput) * state.eta_scale / average(state.weights.r_path);
     if (!(carried < 1.0f)) return;
-    float survive = max(carried, 0.02f);
-    if (sampler_1d(state.numbers) >= survive) path_end(state);
+    // The root: what a path can still find (a caustic, a lamp) may be far brighter than what it has found so far.
+    float survive = max(sqrt(carried), 0.05f);
+    if (rng_1d(state.rng) >= survive) path_end(state);
     else state.weights.throughput /= survive;
 }
 
@@ -206,30 +207,30 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         cross_surface(scene, s, state);
         return c;
     }
-    // Interiors before and after. A surface that is left but was never entered (an open mesh seen from behind) is taken as
-    // if it had been.
-    Inside before = state.inside;
-    if (s.leaves != NONE && !inside_contains(before, s.leaves)) inside_enter(before, s.leaves);
-    Inside after = before;
-    inside_leave(after, s.leaves);
-    inside_enter(after, s.enters);
-    if (s.material == NONE) {
-        state.inside = after;
-        cross_surface(scene, s, state);
-        return c;
-    }
+    // Interiors behind the surface. One that is left but was never entered (an open mesh seen from behind) is taken as if it
+    // had been.
     float n_ratio = 1.0f;
-    bool refracts = s.leaves != NONE || s.enters != NONE;
-    if (refracts) {
-        uint from = inside_dielectric(scene, before);
+    Inside after = state.inside;
+    if (s.leaves != NONE || s.enters != NONE) {
+        if (s.leaves != NONE && !inside_contains(state.inside, s.leaves)) inside_enter(state.inside, s.leaves);
+        after = state.inside;
+        inside_leave(after, s.leaves);
+        inside_enter(after, s.enters);
+        uint from = inside_dielectric(scene, state.inside);
         uint to = inside_dielectric(scene, after);
-        if (from == to && scene.materials.at[s.material].kind == MATERIAL_DIELECTRIC) {  // hidden in a dielectric of higher priority
+        if (s.material != NONE && from == to && scene.materials.at[s.material].kind == MATERIAL_DIELECTRIC) {
+            // Hidden in a dielectric of higher priority. Shadow rays stop at dielectrics, hidden or not.
+            state.flags |= PATH_SPECULAR;
             state.inside = after;
-            state.flags |= PATH_SPECULAR;  // shadow rays stop at dielectrics, hidden or not
             cross_surface(scene, s, state);
             return c;
         }
         n_ratio = interior_ior(scene, to) / interior_ior(scene, from);
+    }
+    if (s.material == NONE) {
+        state.inside = after;
+        cross_surface(scene, s, state);
+        return c;
     }
 
     vec3 wo = -state.ray.direction;
@@ -247,12 +248,11 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     if (!next_bounce(settings, state)) return c;
 
     float wo_side = dot(wo, s.geometric_normal);
-    float u_light = sampler_1d(state.numbers);
+    vec2 u_choice = sampler_2d(state.numbers);  // of a light, of a lobe
     vec2 u_point = sampler_2d(state.numbers);
-    float u_lobe = sampler_1d(state.numbers);
     vec2 u_bsdf = sampler_2d(state.numbers);
     if (!bsdf_is_delta(bsdf)) {
-        LightSample light = sample_light(scene, s.position, u_light, u_point);
+        LightSample light = sample_light(scene, s.position, u_choice.x, u_point);
         if (light.pdf > 0.0f) {
             vec3 wi = to_local(frame, light.direction);
             // Shading and geometric normal must agree on which side the light is.
@@ -263,7 +263,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
             }
         }
     }
-    BsdfSample next = bsdf_sample(bsdf, wo_local, u_lobe, u_bsdf);
+    BsdfSample next = bsdf_sample(bsdf, wo_local, u_choice.y, u_bsdf);
     vec3 direction = to_world(frame, next.direction);
     if ((next.flags & LOBE_FAILED) != 0u || is_black(next.weight) ||
         (next.direction.z > 0.0f) != (dot(direction, s.geometric_normal) * wo_side > 0.0f)) {

@@ -8,6 +8,7 @@
 //   FN               marks a function: `inline` in C++, nothing in GLSL
 //   inout(T)         a parameter that is read and written; GLSL copies in and out, so never alias two
 //   const_in(T)      a large read-only parameter: a reference in C++, `const in` in GLSL
+//   RECORD(T)        a local name for a record of a buffer: a reference in C++, a copy in GLSL; never written to
 //   BUFFER(Name, T)  a read-only array that lives in device memory; element i is `name.at[i]`
 //   KERNELS_BEGIN    opens namespace spinel::kernels in C++, nothing in GLSL; KERNELS_END closes it
 //
@@ -29,6 +30,7 @@
 #define FN inline
 #define inout(T) T&
 #define const_in(T) const T&
+#define RECORD(T) const T&
 #define BUFFER(Name, T)    \
     struct Name {          \
         const T* at;       \
@@ -67,6 +69,7 @@ inline float bits_float(uint x) { return std::bit_cast<float>(x); }
 #define FN
 #define inout(T) inout T
 #define const_in(T) const in T
+#define RECORD(T) T
 #define BUFFER(Name, T) \
     layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name { T at[]; };
 #define KERNELS_BEGIN

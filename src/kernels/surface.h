@@ -36,7 +36,7 @@ FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
 }
 
 FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
-    Instance instance = scene.instances.at[hit.instance];
+    RECORD(Instance) instance = scene.instances.at[hit.instance];
     Surface s;
     s.instance = hit.instance;
     s.color = vec3(1.0f);
@@ -54,15 +54,15 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     uint other = 0u;      // voxels: palette index across the face
 
     if (instance.geometry_kind == GEOMETRY_MESH) {
-        Mesh mesh = scene.meshes.at[instance.geometry];
-        Triangle t = scene.triangles.at[mesh.triangle_first + hit.primitive];
-        TriangleInfo info = scene.triangle_infos.at[mesh.triangle_first + hit.primitive];
+        RECORD(Mesh) mesh = scene.meshes.at[instance.geometry];
+        RECORD(Triangle) t = scene.triangles.at[mesh.triangle_first + hit.primitive];
+        RECORD(TriangleInfo) info = scene.triangle_infos.at[mesh.triangle_first + hit.primitive];
         float w = 1.0f - hit.uv.x - hit.uv.y;
         local = w * t.a + hit.uv.x * t.b + hit.uv.y * t.c;
         extent = max_component(max(abs(t.a), max(abs(t.b), abs(t.c))));
-        VertexAttributes a = scene.attributes.at[mesh.vertex_first + info.vertices.x];
-        VertexAttributes b = scene.attributes.at[mesh.vertex_first + info.vertices.y];
-        VertexAttributes c = scene.attributes.at[mesh.vertex_first + info.vertices.z];
+        RECORD(VertexAttributes) a = scene.attributes.at[mesh.vertex_first + info.vertices.x];
+        RECORD(VertexAttributes) b = scene.attributes.at[mesh.vertex_first + info.vertices.y];
+        RECORD(VertexAttributes) c = scene.attributes.at[mesh.vertex_first + info.vertices.z];
         vec3 n = w * a.normal + hit.uv.x * b.normal + hit.uv.y * c.normal;
         if (dot(n, n) > 1.0e-12f) shading = n;
         s.uv = w * a.uv + hit.uv.x * b.uv + hit.uv.y * c.uv;
@@ -73,7 +73,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         s.color = vec3(color.x, color.y, color.z);
         slot += info.slot;
     } else if (instance.geometry_kind == GEOMETRY_VOXELS) {
-        VoxelGrid grid = scene.voxel_grids.at[instance.geometry];
+        RECORD(VoxelGrid) grid = scene.voxel_grids.at[instance.geometry];
         uint axis = hit.face >> 1u;
         bool positive = (hit.face & 1u) != 0u;
         float plane = float(hit.cell[axis]) + (positive ? 1.0f : 0.0f);
@@ -85,7 +85,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         other = voxel_at(scene, grid, neighbour);
         s.light_key = hit.primitive * 6u + hit.face;
     } else if (instance.geometry_kind == GEOMETRY_SDF) {
-        Sdf sdf = scene.sdfs.at[instance.geometry];
+        RECORD(Sdf) sdf = scene.sdfs.at[instance.geometry];
         extent = max_component(max(abs(sdf.lower), abs(sdf.upper)));
         s.light_key = NONE;
     } else if (instance.geometry_kind == GEOMETRY_SPHERE) {
@@ -121,14 +121,14 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     vec3 world_tangent = linear * tangent;
     s.tangent = dot(world_tangent, world_tangent) > 1.0e-20f ? normalize(world_tangent) : vec3(0.0f);
 
-    Slot here = scene.slots.at[slot];
+    RECORD(Slot) here = scene.slots.at[slot];
     s.material = here.material;
     s.leaves = NONE;
     s.enters = NONE;
     if (s.entering) s.enters = here.interior;
     else s.leaves = here.interior;
     if (other != 0u) {  // a face between two voxels that are not air: the other side counts too
-        Slot across = scene.slots.at[instance.slot_first + other - 1u];
+        RECORD(Slot) across = scene.slots.at[instance.slot_first + other - 1u];
         if (s.entering) s.leaves = across.interior;
         else s.enters = across.interior;
     }
@@ -139,7 +139,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
 // on the other, and no farther.
 FN vec3 leave_surface(const_in(SceneView) scene, const_in(Surface) s, vec3 direction) {
     float side = dot(direction, s.geometric_normal) >= 0.0f ? 1.0f : -1.0f;
-    Instance instance = scene.instances.at[s.instance];
+    RECORD(Instance) instance = scene.instances.at[s.instance];
     if (instance.geometry_kind == GEOMETRY_SDF) {
         // An SDF's inside is a sign: step until the sign is the wanted one.
         vec3 p = instance.world_to_object * vec4(s.position, 1.0f);
@@ -153,7 +153,7 @@ FN vec3 leave_surface(const_in(SceneView) scene, const_in(Surface) s, vec3 direc
 
 // The BSDF at a surface, textures applied. n_ratio: index of refraction across the surface over that on wo's side.
 FN Bsdf surface_bsdf(const_in(SceneView) scene, const_in(Surface) s, float n_ratio) {
-    Material m = scene.materials.at[s.material];
+    RECORD(Material) m = scene.materials.at[s.material];
     vec3 color = m.color * s.color;
     float roughness = m.roughness;
     float metallic = m.metallic;

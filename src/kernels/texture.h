@@ -32,7 +32,7 @@ FN vec4 texel_at(const_in(SceneView) scene, const_in(Texture) t, int x, int y) {
 
 // uv: (0,0) is the lower left corner of the image.
 FN vec4 texture_at(const_in(SceneView) scene, uint index, vec2 uv) {
-    Texture t = scene.textures.at[index];
+    RECORD(Texture) t = scene.textures.at[index];
     vec2 st = uv * t.scale + t.offset;
     if (t.kind == TEXTURE_CHECKER) {
         int parity = (int(floor(st.x)) + int(floor(st.y))) & 1;
