@@ -154,8 +154,9 @@ class Parser {
         }
         const std::string_view voxels = content.take(std::size_t(count) * 4);
         for (std::size_t i = 0; i < voxels.size(); i += 4) {
-            const ivec3 cell(std::uint8_t(voxels[i]), std::uint8_t(voxels[i + 1]),
-                             std::uint8_t(voxels[i + 2]));
+            // Braces: clang reads parentheses here as the declaration of a function.
+            const ivec3 cell = {std::uint8_t(voxels[i]), std::uint8_t(voxels[i + 1]),
+                                std::uint8_t(voxels[i + 2])};
             if (cell.x >= size.x || cell.y >= size.y || cell.z >= size.z)
                 return "voxel (" + text(cell) + ") lies outside its model of (" + text(size) + ")";
         }

@@ -87,6 +87,8 @@ template <class... Functions>
 struct overloaded : Functions... {
     using Functions::operator()...;
 };
+template <class... Functions>
+overloaded(Functions...) -> overloaded<Functions...>;  // clang 16 does not deduce aggregates
 
 // Of a material, by the sizes of what it refers to.
 Fault material_fault(const kernels::Material& m, const Scene& scene) {
