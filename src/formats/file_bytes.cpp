@@ -1,11 +1,16 @@
 #include "formats/file_bytes.h"
 
+#include <algorithm>
 #include <fstream>
 
 namespace spinel {
 
 Error cannot_read(const std::filesystem::path& path, const std::string& why) {
-    return {"cannot read '" + path.string() + "': " + why};
+    // What is wrong may be quoted from the file itself; a message is one line all the same.
+    std::string line = why;
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+    return {"cannot read '" + path.string() + "': " + line};
 }
 
 Result<std::string> read_file_bytes(const std::filesystem::path& path, std::uintmax_t max_bytes) {
