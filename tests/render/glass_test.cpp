@@ -1,0 +1,163 @@
+// Glass: the same solid made of different things is the same picture, and insides are what they say.
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <cmath>
+
+#include "geometry/sphere_mesh.h"
+#include "render/pictures.h"
+
+namespace spinel {
+namespace {
+
+using namespace test;
+
+// Checkered ground, a sky that changes from side to side, an area light: whatever bends light wrongly shows.
+std::string stage(const std::string& things, const std::string& glass = "",
+                  const std::string& geometries = "") {
+    return fmt::format(R"({{"version": 1, "film": {{"size": [32, 32], "filter": "box", "filter_radius": 0.5}},
+        "camera": {{"from": [1, 1.4, 3.6], "at": [0, 0, 0], "fov": 42}},
+        "textures": {{"tiles": {{"type": "checker", "color_a": [0.8, 0.7, 0.6], "color_b": [0.1, 0.1, 0.2], "scale": [1.5, 1.5]}}}},
+        "media": {{"milk": {{"scattering": [2, 1.2, 0.6], "absorption": [0.1, 0.3, 0.2], "g": 0.4}}}},
+        "materials": {{"floor": {{"type": "diffuse", "color": "tiles"}}, "lamp": {{"type": "diffuse", "color": 0, "emission": 6}},
+                       "glass": {{"type": "dielectric", "ior": 1.5{}}}, "same": {{"type": "dielectric", "ior": 1.5{}}},
+                       "water": {{"type": "dielectric", "ior": 1.33, "absorption": [0.8, 0.3, 0.1], "priority": -1}}}},
+        "geometries": {{{}"ball": {{"type": "sphere", "radius": 1}}}},
+        "objects": [{{"geometry": {{"type": "plane"}}, "material": "floor", "transform": [{{"translate": [0, -1.05, 0]}}]}},
+                    {{"geometry": {{"type": "rectangle", "size": [2, 2]}}, "material": "lamp",
+                      "transform": [{{"rotate": {{"axis": [1, 0, 0], "degrees": 180}}}}, {{"translate": [-1, 3, 0]}}]}}, {}]}})",
+                       glass, glass, geometries, things);
+}
+
+Picture render_stage(const std::string& text, int mesh_steps = 0) {
+    Result<Scene> scene = read_scene_json(text, "test.json", {load_model, read_pixels});
+    EXPECT_TRUE(scene) << scene.error().message;
+    if (!scene) return {};
+    ImageEnvironment sky;
+    sky.pixels = std::make_shared<PixelBuffer>(PixelBuffer{
+        4, 2, 3, std::vector<float>{1,    0.5f, 0.2f, 0.6f, 0.6f, 0.6f, 0.2f, 0.5f, 1,    0.6f, 0.6f, 0.6f,
+                                    0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f}});
+    scene->environment = sky;
+    for (Geometry& g : scene->geometries)
+        if (auto* mesh = std::get_if<MeshGeometry>(&g.data); mesh && mesh_steps > 0)
+            *mesh = sphere_mesh(mesh_steps);
+    const Result<CompiledScene> compiled = compile(*scene);
+    EXPECT_TRUE(compiled) << compiled.error().message;
+    return compiled ? render_scene(*compiled, 48) : Picture{};
+}
+// Caustics of the lamp through glass are found by chance alone: rare bright paths make the variance of blocks
+// rough.
+void expect_same_glass(const Picture& a, const Picture& b) {
+    const Estimate ea = a.mean(), eb = b.mean();
+    for (int k = 0; k < 3; ++k) {
+        const double error = std::sqrt(ea.error[k] * ea.error[k] + eb.error[k] * eb.error[k]);
+        EXPECT_NEAR(ea.mean[k], eb.mean[k], std::max(4 * error, 0.002 * eb.mean[k])) << "channel " << k;
+        EXPECT_LT(error, 0.01 * eb.mean[k]);
+    }
+    const Difference d = compare(a, b, 8);
+    EXPECT_LT(d.chi_squared, 1.8);
+    EXPECT_LT(d.worst, 7);
+}
+
+const std::string tint = R"(, "absorption": [0.2, 0.6, 1])";
+
+TEST(Glass, a_block_of_glass_voxels_is_one_solid_without_inner_faces) {
+    std::string cells;
+    for (int i = 0; i < 64; ++i) cells += (i ? "," : "") + std::to_string(1 + (i * 7) % 3);
+    const Picture voxels = render_stage(stage(
+        R"({"geometry": {"type": "voxels", "size": [4, 4, 4], "cells": [)" + cells +
+            R"(]}, "material": ["glass", "same", "glass"], "transform": [{"translate": [-2, -2, -2]}, {"scale": 0.4}]})",
+        tint));
+    const Picture box = render_stage(
+        stage(R"({"geometry": {"type": "box", "size": [1.6, 1.6, 1.6]}, "material": "glass"})", tint));
+    expect_same_glass(voxels, box);
+}
+
+TEST(Glass, water_against_glass_voxels_is_one_interface_as_of_nested_boxes) {
+    const Picture voxels = render_stage(stage(
+        R"({"geometry": {"type": "voxels", "layers": [["12", "12"], ["12", "12"]]}, "material": ["water", "glass"],
+            "transform": [{"translate": [-1, -1, -1]}, {"scale": 0.8}]})",
+        tint));
+    // Water reaches into the glass; the glass has the higher priority. Faces that would coincide differ by a
+    // hair.
+    const Picture boxes = render_stage(stage(
+        R"({"geometry": {"type": "box", "size": [1.2, 1.5998, 1.5998]}, "material": "water", "transform": [{"translate": [-0.2, 0, 0]}]},
+           {"geometry": {"type": "box", "size": [0.8, 1.6, 1.6]}, "material": "glass", "transform": [{"translate": [0.4, 0, 0]}]})",
+        tint));
+    expect_same_glass(voxels, boxes);
+}
+
+TEST(Glass, a_glass_ball_in_water_displaces_it) {
+    // Straight through the middle: air, water, glass, water, air; four bounces leave only the way without
+    // reflections.
+    const std::string text =
+        R"({"version": 1, "film": {"size": [4, 4], "filter": "box", "filter_radius": 0.5},
+        "integrator": {"max_bounces": 4},
+        "camera": {"type": "orthographic", "from": [0, -0.0003, 3], "at": [0, -0.0003, 0], "height": 1e-4},
+        "materials": {"glass": {"type": "dielectric", "ior": 1.5, "absorption": [0, 0.5, 1], "priority": 1},
+                      "water": {"type": "dielectric", "ior": 1.33, "absorption": [1, 0.5, 0]},
+                      "lamp": {"type": "diffuse", "color": 0, "emission": 1}},
+        "objects": [ORDER, {"geometry": {"type": "rectangle", "size": [1, 1]}, "material": "lamp",
+            "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": 90}}, {"translate": [0, 0, -4]}]}]})";
+    const std::string ball = R"({"geometry": {"type": "sphere", "radius": 0.5}, "material": "glass"})";
+    const std::string pool =
+        R"({"geometry": {"type": "box", "size": [2, 1, 2]}, "material": "water", "transform": [{"translate": [0, -0.4, 0]}]})";
+    const auto passed = [](double n) { return 1 - (n - 1) * (n - 1) / ((n + 1) * (n + 1)); };
+    const double t = std::pow(passed(1.33) * passed(1.5 / 1.33), 2);
+    for (const std::string& order : {ball + ", " + pool, pool + ", " + ball}) {
+        std::string scene = text;
+        scene.replace(scene.find("ORDER"), 5, order);
+        expect_mean(render_text(scene, 1024).mean(),
+                    t * dvec3(std::exp(-1.0), std::exp(-0.5 - 0.5), std::exp(-1.0)), 4, 0.01);
+    }
+}
+
+TEST(Glass, spheres_are_the_same_as_implicit_surface_mesh_and_analytic) {
+    for (const std::string& kind : {std::string(), tint, std::string(R"(, "interior": "milk")")}) {
+        SCOPED_TRACE(kind);
+        const Picture sphere = render_stage(stage(R"({"geometry": "ball", "material": "glass"})", kind));
+        expect_same_glass(
+            render_stage(stage(
+                R"x({"geometry": {"type": "sdf", "expression": "sphere(1)"}, "material": "glass"})x", kind)),
+            sphere);
+        expect_same_glass(
+            render_stage(
+                stage(
+                    R"({"geometry": "mesh", "material": "glass"})", kind,
+                    R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
+                128),
+            sphere);
+    }
+}
+
+TEST(Glass, turned_and_stretched_instances_are_the_same_of_a_mesh_and_of_a_sphere) {
+    const std::string turned =
+        R"(, "material": "glass", "transform": [{"scale": [1.1, 0.5, 0.8]}, {"rotate": {"axis": [1, 2, 3], "degrees": 50}}]})";
+    const Picture sphere = render_stage(stage(R"({"geometry": "ball")" + turned, tint));
+    const Picture mesh = render_stage(
+        stage(
+            R"({"geometry": "mesh")" + turned, tint,
+            R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
+        128);
+    expect_same_glass(mesh, sphere);
+}
+
+TEST(Glass, from_within_a_glass_ball_radiance_is_higher_by_the_square_of_the_index) {
+    for (const double sigma : {0.0, 0.7}) {
+        const Picture p = render_text(
+            fmt::format(R"({{"version": 1, "film": {{"size": [4, 4], "filter": "box", "filter_radius": 0.5}},
+            "camera": {{"type": "orthographic", "from": [0, 0, 0], "at": [1, 0.3, 0.2], "height": 1e-4}},
+            "environment": {{"type": "constant", "radiance": 1}},
+            "materials": {{"glass": {{"type": "dielectric", "ior": 1.5, "absorption": {}}}}},
+            "objects": [{{"geometry": {{"type": "sphere", "radius": 1}}, "material": "glass"}}]}})",
+                        sigma),
+            1024);
+        // Normal incidence; what is reflected comes back through the middle.
+        const double f = 0.04, way = std::exp(-sigma);
+        expect_mean(p.mean(), dvec3(2.25 * (1 - f) * way / (1 - f * way * way)), 4, 0.01);
+    }
+}
+
+}  // namespace
+}  // namespace spinel
