@@ -222,8 +222,11 @@ struct Run {
         for (const FilmPixel& p : film.pixels) mean += p.sum / double(std::max(p.count, 1u));
         mean /= double(film.pixels.size());
         if (film.bound_reached > 0 && !common.quiet)
-            fmt::print(stderr, "spinel: warning: {} of {} paths were cut at a safety bound; the picture is darker than it should be\n",
+            fmt::print(stderr, "spinel: warning: {} of {} paths reached a safety bound; the picture may be biased\n",
                        film.bound_reached, film.sample_count());
+        if (film.not_finite > 0 && !common.quiet)
+            fmt::print(stderr, "spinel: warning: {} of {} paths were not finite and count as black\n", film.not_finite,
+                       film.sample_count());
         if (common.json) {
             const nlohmann::ordered_json json = {{"input", input.string()},
                                                  {"output", output.string()},

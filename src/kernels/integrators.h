@@ -6,12 +6,6 @@
 #include "path.h"
 KERNELS_BEGIN
 
-struct PixelSample {
-    vec3 radiance;
-    FirstHit first;
-    bool bound_reached;  // a safety bound cut the path: counted, since it would be a bias
-};
-
 FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
     PathState state = trace_path(scene, settings, pixel, index);
     return PixelSample(state.radiance, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);

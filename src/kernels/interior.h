@@ -3,7 +3,8 @@
 // What a path is inside of: a short multiset of interiors, updated at every boundary it crosses. Dielectrics nest by
 // priority (Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 7(2), 2002): where several overlap,
 // the highest priority is what is there, and boundaries of the others are not seen. Interiors without an index of
-// refraction are mere volumes; they add to whatever they overlap.
+// refraction are mere volumes of priority 0: they add to each other and to dielectrics of priority 0 or less, and are
+// displaced by dielectrics of a higher one.
 #include "scene_view.h"
 KERNELS_BEGIN
 
@@ -12,18 +13,23 @@ const uint MAX_INSIDE = 8u;
 struct Inside {
     uint entries[8];  // interior indices
     uint count;
+    uint dropped;     // entries that found no room: a bias, so it is counted and reported
 };
 
 FN Inside inside_nothing() {
     Inside list;
     for (uint i = 0u; i < MAX_INSIDE; ++i) list.entries[i] = NONE;
     list.count = 0u;
+    list.dropped = 0u;
     return list;
 }
 
-// Beyond MAX_INSIDE nested solids the innermost are ignored on entry and on exit alike.
 FN void inside_enter(inout(Inside) list, uint interior) {
-    if (interior == NONE || list.count >= MAX_INSIDE) return;
+    if (interior == NONE) return;
+    if (list.count >= MAX_INSIDE) {
+        list.dropped += 1u;
+        return;
+    }
     list.entries[list.count] = interior;
     list.count += 1u;
 }
@@ -69,6 +75,8 @@ struct ActiveMedia {
     uint count;
     vec3 absorption;    // of media flagged MEDIUM_ABSORBS_ONLY, attenuated in closed form
     bool homogeneous;   // all of ids: attenuation has a closed form too
+    bool emissive;      // any of ids
+    bool overflow;      // more of them than there is room for: counted and reported
 };
 
 FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
@@ -77,6 +85,8 @@ FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
     m.count = 0u;
     m.absorption = vec3(0.0f);
     m.homogeneous = true;
+    m.emissive = false;
+    m.overflow = false;
     if (list.count == 0u) return m;
     uint winner = inside_dielectric(scene, list);
     bool winner_taken = false;
@@ -87,6 +97,8 @@ FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
         if (interior.ior > 0.0f) {
             if (entry != winner || winner_taken) continue;
             winner_taken = true;
+        } else if (winner != NONE && scene.interiors.at[winner].priority > interior.priority) {
+            continue;
         }
         RECORD(Medium) medium = scene.media.at[interior.medium];
         if ((medium.flags & MEDIUM_ABSORBS_ONLY) != 0u) {
@@ -95,6 +107,9 @@ FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
             m.ids[m.count] = interior.medium;
             m.count += 1u;
             if (medium.grid != NONE) m.homogeneous = false;
+            if (!is_black(medium.emission)) m.emissive = true;
+        } else {
+            m.overflow = true;
         }
     }
     return m;

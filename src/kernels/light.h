@@ -10,10 +10,14 @@ KERNELS_BEGIN
 
 struct LightSample {
     vec3 direction;  // unit, from the receiver
-    float distance;  // INFINITE for light from infinity
     vec3 radiance;   // incident; of delta lights everything but the cosine
     float pdf;       // 0: nothing arrives; of delta lights the probability of the light alone
     bool delta;
+    bool infinite;   // from infinitely far away: point means nothing
+    vec3 point;      // where it comes from …
+    vec3 normal;     // … the emitter's normal there (0: a point) …
+    float error;     // … and the rounding error of the point
+    float opacity;   // chance that a path which follows the direction meets the emitter; radiance holds it already
 };
 
 FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv) {
@@ -26,16 +30,19 @@ FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv) {
     return e;
 }
 
-FN vec3 light_emission(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
-    if (light.material == NONE) return light.radiance;
-    vec2 uv = b;
-    if (light.kind == LIGHT_TRIANGLE && scene.materials.at[light.material].emission_texture != NONE) {
-        RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
-        uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
-        uv = (1.0f - b.x - b.y) * scene.attributes.at[mesh.vertex_first + v.x].uv +
-             b.x * scene.attributes.at[mesh.vertex_first + v.y].uv + b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
-    }
-    return material_emission(scene, light.material, uv);
+FN float material_opacity(const_in(SceneView) scene, uint material, vec2 uv) {
+    float opacity = scene.materials.at[material].opacity;
+    uint t = scene.materials.at[material].opacity_texture;
+    return t == NONE ? opacity : opacity * texture_at(scene, t, uv).w;
+}
+
+// Texture coordinates on a flat emitter; b are barycentric weights or the place on a parallelogram.
+FN vec2 light_uv(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
+    if (light.kind != LIGHT_TRIANGLE) return b;
+    RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
+    uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
+    return (1.0f - b.x - b.y) * scene.attributes.at[mesh.vertex_first + v.x].uv +
+           b.x * scene.attributes.at[mesh.vertex_first + v.y].uv + b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
 }
 
 // 1 − cos of the half-angle under which a sphere is seen; stable for small and distant spheres.
@@ -51,20 +58,31 @@ FN vec3 cone_direction(vec3 axis, float one_minus_cos, vec2 u) {
     return normalize(to_world(make_frame(axis), square_to_cone(u, one_minus_cos)));
 }
 
-FN LightSample no_light() { return LightSample(vec3(0.0f, 1.0f, 0.0f), 0.0f, vec3(0.0f), 0.0f, false); }
+FN LightSample no_light() {
+    return LightSample(vec3(0.0f, 1.0f, 0.0f), vec3(0.0f), 0.0f, false, false, vec3(0.0f), vec3(0.0f), 0.0f, 1.0f);
+}
+
+FN LightSample infinite_light(vec3 direction, vec3 radiance, float pdf, bool delta) {
+    return LightSample(direction, radiance, pdf, delta, true, vec3(0.0f), vec3(0.0f), 0.0f, 1.0f);
+}
+
+// A point on an emissive surface; `opacity` of its material there.
+FN LightSample surface_light(vec3 direction, vec3 radiance, float pdf, vec3 point, vec3 normal, float magnitude, float opacity) {
+    return LightSample(direction, radiance * opacity, pdf, false, false, point, normal, magnitude * 9.5367432e-7f, opacity);
+}
 
 FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from, vec2 u) {
     RECORD(Light) light = scene.lights.at[index];
     float p = scene.light_table.at[index].probability;
     if (light.kind == LIGHT_ENVIRONMENT) {
         vec3 d = environment_sample(scene, u);
-        return LightSample(d, INFINITE, environment_radiance(scene, d), p * environment_pdf(scene, d), false);
+        return infinite_light(d, environment_radiance(scene, d), p * environment_pdf(scene, d), false);
     }
     if (light.kind == LIGHT_DIRECTIONAL) {
         vec3 axis = -light.direction;
-        if (light.radius == 0.0f) return LightSample(axis, INFINITE, light.radiance, p, true);
+        if (light.radius == 0.0f) return infinite_light(axis, light.radiance, p, true);
         float k = disc_one_minus_cos(light.radius);
-        return LightSample(cone_direction(axis, k, u), INFINITE, light.radiance, p / (2.0f * PI * k), false);
+        return infinite_light(cone_direction(axis, k, u), light.radiance, p / (2.0f * PI * k), false);
     }
     if (light.kind == LIGHT_POINT || light.kind == LIGHT_SPOT) {
         vec3 to = light.position - from;
@@ -73,14 +91,19 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
         float d = sqrt(d2);
         vec3 direction = to / d;
         vec3 radiance = light.radiance / d2;
-        if (light.kind == LIGHT_SPOT)
-            radiance *= smoothstep(light.cos_outer, light.cos_inner, -dot(direction, light.direction));
-        return LightSample(direction, d, radiance, is_black(radiance) ? 0.0f : p, true);
+        if (light.kind == LIGHT_SPOT) {
+            float c = -dot(direction, light.direction);
+            if (c < light.cos_outer) return no_light();
+            if (c < light.cos_inner) radiance *= smoothstep(light.cos_outer, light.cos_inner, c);
+        }
+        return LightSample(direction, radiance, p, true, false, light.position, vec3(0.0f), 0.0f, 1.0f);
     }
     if (light.kind == LIGHT_SPHERE) {
         vec3 to = light.position - from;
         float d2 = dot(to, to);
-        vec3 radiance = light_emission(scene, light, vec2(0.0f));
+        vec3 radiance = scene.materials.at[light.material].emission;
+        float opacity = scene.materials.at[light.material].opacity;
+        float magnitude = max_component(abs(light.position)) + light.radius;
         if (d2 <= sqr(light.radius) * 1.00001f) {  // from inside: uniform over the surface
             if (light.two_sided == 0u) return no_light();
             vec3 n = square_to_sphere(u);
@@ -90,18 +113,20 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
             vec3 direction = v / sqrt(l2);
             float cosine = abs(dot(direction, n));
             if (cosine <= 0.0f) return no_light();
-            return LightSample(direction, sqrt(l2), radiance, p * l2 / (cosine * light.area), false);
+            return surface_light(direction, radiance, p * l2 / (cosine * light.area), light.position + light.radius * n, n, magnitude, opacity);
         }
         float k = sphere_one_minus_cos(light.radius, d2);
         vec3 direction = cone_direction(to / sqrt(d2), k, u);
         // The near intersection of that direction with the sphere.
         float b = dot(to, direction);
         float disc = sqr(light.radius) - max(d2 - b * b, 0.0f);
-        return LightSample(direction, b - safe_sqrt(disc), radiance, p / (2.0f * PI * k), false);
+        vec3 n = normalize((b - safe_sqrt(disc)) * direction - to);
+        return surface_light(direction, radiance, p / (2.0f * PI * k), light.position + light.radius * n, n, magnitude, opacity);
     }
     // Flat emitters, uniform over the area.
     vec2 b = light.kind == LIGHT_TRIANGLE ? square_to_triangle(u) : u;
-    vec3 to = light.position + b.x * light.u + b.y * light.v - from;
+    vec3 point = light.position + b.x * light.u + b.y * light.v;
+    vec3 to = point - from;
     float d2 = dot(to, to);
     if (!(d2 > 0.0f)) return no_light();
     float d = sqrt(d2);
@@ -109,15 +134,17 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
     float cosine = -dot(direction, light.direction);
     if (light.two_sided != 0u) cosine = abs(cosine);
     if (!(cosine > 1.0e-6f)) return no_light();
-    return LightSample(direction, d, light_emission(scene, light, b), p * d2 / (cosine * light.area), false);
+    float magnitude = max_component(abs(light.position) + abs(light.u) + abs(light.v));
+    vec2 uv = light_uv(scene, light, b);
+    return surface_light(direction, material_emission(scene, light.material, uv), p * d2 / (cosine * light.area), point, light.direction,
+                         magnitude, material_opacity(scene, light.material, uv));
 }
 
-FN LightSample sample_light(const_in(SceneView) scene, vec3 from, float u_light, vec2 u) {
+// u_light and u_keep are independent: what u_light leaves below its index has too few bits where lights are many.
+FN LightSample sample_light(const_in(SceneView) scene, vec3 from, float u_light, float u_keep, vec2 u) {
     if (scene.light_count == 0u) return no_light();
-    float x = u_light * float(scene.light_count);
-    uint index = min(uint(x), scene.light_count - 1u);
-    AliasEntry entry = scene.light_table.at[index];
-    if (x - float(index) >= entry.threshold) index = entry.alias;
+    uint index = min(uint(u_light * float(scene.light_count)), scene.light_count - 1u);
+    if (u_keep >= scene.light_table.at[index].threshold) index = scene.light_table.at[index].alias;
     return sample_one_light(scene, index, from, u);
 }
 

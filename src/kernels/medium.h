@@ -141,7 +141,9 @@ FN void media_walk_bound(const_in(SceneView) scene, const_in(ActiveMedia) media,
     w.t_next = t_max;
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
-        w.majorant += w.walks[i].majorant * (m.scattering + m.absorption);
+        vec3 extinction = m.scattering + m.absorption;
+        if (!media.homogeneous) extinction = max(extinction, vec3(m.emission_rate));
+        w.majorant += w.walks[i].majorant * extinction;
         w.t_next = min(w.t_next, w.walks[i].t_next);
     }
 }
@@ -181,22 +183,47 @@ FN MediumPoint media_at(const_in(SceneView) scene, const_in(ActiveMedia) media, 
     return point;
 }
 
-// One of the overlapping media, in proportion to its share of the scattering at p, whose phase function then applies.
-FN uint pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p, float u) {
-    if (media.count == 1u) return media.ids[0];
+// One of the overlapping media in proportion to its share of the scattering at p: its phase function and its σs then
+// stand for all, the σs divided by the chance of the pick.
+struct MediumPick {
+    uint medium;
+    vec3 scattering;
+};
+
+FN MediumPick pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p, vec3 scattering, float u) {
+    if (media.count == 1u) return MediumPick(media.ids[0], scattering);
     float total = 0.0f;
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
         total += medium_density(scene, m, p) * average(m.scattering);
     }
     float remaining = u * total;
-    uint chosen = media.ids[media.count - 1u];
+    MediumPick pick = MediumPick(media.ids[0], vec3(0.0f));
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
-        remaining -= medium_density(scene, m, p) * average(m.scattering);
-        if (remaining < 0.0f) return media.ids[i];
+        float density = medium_density(scene, m, p);
+        float share = density * average(m.scattering);
+        if (share > 0.0f) pick = MediumPick(media.ids[i], density * m.scattering * (total / share));
+        remaining -= share;
+        if (remaining < 0.0f) break;
     }
-    return chosen;
+    return pick;
+}
+
+// What homogeneous media send along a segment, their own attenuation included: ∫ ε exp(−σt s) ds.
+FN vec3 homogeneous_emission(const_in(SceneView) scene, const_in(ActiveMedia) media, float t_max) {
+    vec3 emission = vec3(0.0f);
+    vec3 extinction = media.absorption;
+    for (uint i = 0u; i < media.count; ++i) {
+        RECORD(Medium) m = scene.media.at[media.ids[i]];
+        emission += m.emission;
+        extinction += m.scattering + m.absorption;
+    }
+    vec3 tau = extinction * t_max;
+    vec3 total = vec3(0.0f);
+    for (int c = 0; c < 3; ++c)  // (1 − e^−τ) / τ, by its series where the difference would cancel
+        total[c] = emission[c] * t_max * (tau[c] < 1.0e-3f ? 1.0f - 0.5f * tau[c] : (1.0f - exp(-tau[c])) / tau[c]);
+    return total;
 }
 
 struct MediumEvent {
@@ -204,19 +231,22 @@ struct MediumEvent {
     float t;
     uint medium;     // whose phase function applies
     vec3 emitted;    // radiance gathered on the way, weighted
+    bool bound_reached;
 };
 
 // Follows the segment (0, t_max) of a ray with unit direction: the first real collision, or passage. Weights are updated
 // for either; a collision multiplies by σs, so that absorption never ends a path by chance.
 FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
                             inout(SpectralWeights) w, inout(Rng) rng) {
-    MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f));
+    MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f), media.overflow);
     if (media.count == 0u) {
         if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
         return event;
     }
+    if (media.emissive && media.homogeneous) event.emitted = homogeneous_emission(scene, media, t_max) * w.throughput / average(w.r_path);
     MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
     float t = 0.0f;
+    event.bound_reached = true;  // unless the loop ends of itself
     for (uint iteration = 0u; iteration < MAX_MEDIUM_STEPS; ++iteration) {
         float bound = component(walk.majorant, w.hero);
         float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
@@ -229,7 +259,10 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
                 w.r_light *= (media.homogeneous ? vec3(1.0f) : transmittance) / p;
             }
             t = walk.t_next;
-            if (t >= t_max) break;
+            if (t >= t_max) {
+                event.bound_reached = media.overflow;
+                break;
+            }
             media_walk_advance(scene, media, t_max, walk);
             continue;
         }
@@ -239,24 +272,27 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
         MediumPoint point = media_at(scene, media, position);
         vec3 extinction = min(point.scattering + point.absorption, walk.majorant);
         float p_any = component(transmittance, w.hero) * bound;
-        if (!is_black(point.emission)) {
+        if (media.emissive && !media.homogeneous && !is_black(point.emission)) {
             vec3 r = w.r_path * walk.majorant * transmittance / p_any;
             event.emitted += w.throughput * exp(-media.absorption * t) * transmittance / p_any * point.emission / average(r);
         }
         float p_real = component(extinction, w.hero) / bound;
         if (rng_1d(rng) < p_real) {
             float p = p_any * p_real;
-            w.throughput *= transmittance * point.scattering / p;
+            MediumPick pick = pick_scattering_medium(scene, media, position, point.scattering, rng_1d(rng));
+            w.throughput *= transmittance * pick.scattering / p;
             w.r_path *= transmittance * extinction / p;
             event.scattered = true;
             event.t = t;
-            event.medium = pick_scattering_medium(scene, media, position, rng_1d(rng));
+            event.medium = pick.medium;
+            event.bound_reached = media.overflow;
             break;
         }
         vec3 null_collision = walk.majorant - extinction;
         float p = p_any - component(transmittance, w.hero) * component(extinction, w.hero);
         if (!(p > 0.0f)) {
             w.throughput = vec3(0.0f);
+            event.bound_reached = media.overflow;
             break;
         }
         w.throughput *= transmittance * null_collision / p;
@@ -269,10 +305,11 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
 
 // Transmittance of the segment (0, t_max) for a shadow ray: throughput is multiplied by it, r_path by the density with
 // which a free flight would have passed, r_light by that of this very estimate. Begin with all weights 1.
-FN void attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
+// Returns whether a safety bound was reached.
+FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
                   inout(SpectralWeights) w, inout(Rng) rng) {
     if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
-    if (media.count == 0u) return;
+    if (media.count == 0u) return false;
     if (media.homogeneous) {
         vec3 extinction = vec3(0.0f);
         for (uint i = 0u; i < media.count; ++i) {
@@ -282,7 +319,7 @@ FN void attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
         vec3 transmittance = exp(-extinction * t_max);
         w.throughput *= transmittance;
         w.r_path *= transmittance;
-        return;
+        return media.overflow;
     }
     MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
     float t = 0.0f;
@@ -298,7 +335,7 @@ FN void attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
                 w.r_light *= transmittance / p;
             }
             t = walk.t_next;
-            if (t >= t_max) return;
+            if (t >= t_max) return media.overflow;
             media_walk_advance(scene, media, t_max, walk);
             continue;
         }
@@ -310,17 +347,19 @@ FN void attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
         w.throughput *= transmittance * null_collision / p;
         w.r_path *= transmittance * null_collision / p;
         w.r_light *= transmittance * walk.majorant / p;
-        if (is_black(w.throughput)) return;
+        if (is_black(w.throughput)) return media.overflow;
         // Russian roulette on what is left keeps dense clouds cheap.
         float left = max_component(w.throughput) / average(w.r_path + w.r_light);
         if (left < 0.05f) {
             if (rng_1d(rng) < 0.75f) {
                 w.throughput = vec3(0.0f);
-                return;
+                return media.overflow;
             }
             w.throughput *= 4.0f;
         }
     }
+    w.throughput = vec3(0.0f);
+    return true;
 }
 
 KERNELS_END

@@ -12,9 +12,11 @@
 // in the one-sample form of Miller, Georgiev, Jarosz 2019 so that volumes and colour channels join in; see medium.h).
 #include "camera.h"
 #include "device.h"
+#include "locate.h"
 #include "medium.h"
 #include "path_settings.h"
 #include "phase.h"
+#include "pixel_sample.h"
 #include "surface.h"
 KERNELS_BEGIN
 
@@ -25,14 +27,6 @@ const uint PATH_ALIVE = 1u;
 const uint PATH_SPECULAR = 2u;     // the last scattering was a delta: light sampling could not have made it
 const uint PATH_FIRST_SEEN = 4u;   // AOVs are recorded
 const uint PATH_BOUND_REACHED = 8u;
-
-// What the first surface shows, for the auxiliary outputs.
-struct FirstHit {
-    vec3 normal;
-    float depth;   // along the ray; 0: nothing was hit
-    vec3 albedo;
-    uint object;   // NONE: nothing was hit
-};
 
 struct PathState {
     Ray ray;
@@ -52,13 +46,12 @@ struct PathState {
 // A shadow ray that was asked for; value is what it carries if nothing is in the way.
 struct Connection {
     bool valid;
-    vec3 origin;
-    vec3 direction;
-    float distance;
+    Ray ray;        // its end lies before the light; to infinity, or t_max = 1 with a direction as long as the way
     vec3 value;     // throughput · scattering · radiance
     vec3 r_path;    // relative densities, see medium.h
     vec3 r_light;
     Inside inside;
+    Rng rng;        // its own, so that shadow rays and paths do not wait for each other
 };
 
 FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
@@ -76,8 +69,12 @@ FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) set
     state.segments = 0u;
     state.flags = PATH_ALIVE | PATH_SPECULAR;
     state.inside = inside_nothing();
-    for (uint i = 0u; i < scene.camera_inside_count; ++i)
-        inside_enter(state.inside, scene.words.at[scene.camera_inside_first + i]);
+    if (scene.camera.locate_rays != 0u) {
+        state.inside = interiors_at(scene, state.ray.origin);
+    } else {
+        for (uint i = 0u; i < scene.camera_inside_count; ++i)
+            inside_enter(state.inside, scene.words.at[scene.camera_inside_first + i]);
+    }
     state.rng = make_rng(state.numbers, 0u);
     state.first = FirstHit(vec3(0.0f), 0.0f, vec3(0.0f), NONE);
     return state;
@@ -108,19 +105,26 @@ FN void gather_infinite(const_in(SceneView) scene, inout(PathState) state) {
 }
 
 FN Connection no_connection(const_in(PathState) state) {
-    return Connection(false, vec3(0.0f), vec3(0.0f), 0.0f, vec3(0.0f), vec3(0.0f), vec3(0.0f), state.inside);
+    return Connection(false, state.ray, vec3(0.0f), vec3(0.0f), vec3(0.0f), state.inside, state.rng);
 }
 
 // Asks for a shadow ray; scatter is f·|cos| or the phase function, pdf the density of its own sampling of that direction.
 FN Connection connection_to(const_in(PathState) state, const_in(LightSample) light, vec3 origin, vec3 scatter, float pdf) {
     Connection c = no_connection(state);
     c.valid = !is_black(scatter) && !is_black(light.radiance);
-    c.origin = origin;
-    c.direction = light.direction;
-    c.distance = light.distance == INFINITE ? INFINITE : light.distance * 0.9999f;
+    if (light.infinite) {
+        c.ray = Ray(origin, 0.0f, light.direction, INFINITE);
+    } else {
+        // Both ends are moved off their surfaces, so that neither hides the other, however close or far they are.
+        vec3 to = light.point - origin;
+        vec3 end = light.point - (dot(to, light.normal) > 0.0f ? light.error : -light.error) * light.normal;
+        c.ray = Ray(origin, 0.0f, end - origin, 1.0f);
+        if (is_black(c.ray.direction)) c.valid = false;
+    }
+    c.rng = make_rng(state.numbers, 1u + state.segments);
     c.value = state.weights.throughput * scatter * light.radiance;
     c.r_light = state.weights.r_path * light.pdf;
-    c.r_path = light.delta ? vec3(0.0f) : state.weights.r_path * pdf;
+    c.r_path = light.delta ? vec3(0.0f) : state.weights.r_path * (pdf * light.opacity);
     return c;
 }
 
@@ -149,13 +153,14 @@ FN Connection scatter_in_medium(const_in(SceneView) scene, const_in(PathSettings
                                 const_in(MediumEvent) event) {
     Connection c = no_connection(state);
     if (!next_bounce(settings, state)) return c;
+    state.flags |= PATH_FIRST_SEEN;  // the first thing seen is no surface
     vec3 p = ray_at(state.ray, event.t);
     vec3 d = state.ray.direction;
     float g = scene.media.at[event.medium].g;
-    float u_light = sampler_1d(state.numbers);
+    vec2 u_light = sampler_2d(state.numbers);
     vec2 u_point = sampler_2d(state.numbers);
     vec2 u_phase = sampler_2d(state.numbers);
-    LightSample light = sample_light(scene, p, u_light, u_point);
+    LightSample light = sample_light(scene, p, u_light.x, u_light.y, u_point);
     if (light.pdf > 0.0f) {
         float phase = phase_eval(g, dot(d, light.direction));
         c = connection_to(state, light, p, vec3(phase), phase);
@@ -188,6 +193,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
             MediumEvent event = sample_media(scene, media, state.ray.origin, state.ray.direction, is_hit(hit) ? hit.t : INFINITE,
                                              state.weights, state.rng);
             state.radiance += event.emitted;
+            if (event.bound_reached) state.flags |= PATH_BOUND_REACHED;
             if (is_black(state.weights.throughput)) {
                 path_end(state);
                 return c;
@@ -201,12 +207,6 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         return c;
     }
     Surface s = surface_at(scene, state.ray, hit);
-    float opacity = surface_opacity(scene, s);
-    if (s.material != NONE && opacity < 1.0f && rng_1d(state.rng) >= opacity) {
-        state.weights.r_light /= 1.0f - opacity;  // a shadow ray multiplies by this instead of trying its luck
-        cross_surface(scene, s, state);
-        return c;
-    }
     // Interiors behind the surface. One that is left but was never entered (an open mesh seen from behind) is taken as if it
     // had been.
     float n_ratio = 1.0f;
@@ -216,6 +216,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         after = state.inside;
         inside_leave(after, s.leaves);
         inside_enter(after, s.enters);
+        if (after.dropped > 0u) state.flags |= PATH_BOUND_REACHED;
         uint from = inside_dielectric(scene, state.inside);
         uint to = inside_dielectric(scene, after);
         if (s.material != NONE && from == to && scene.materials.at[s.material].kind == MATERIAL_DIELECTRIC) {
@@ -227,7 +228,9 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         }
         n_ratio = interior_ior(scene, to) / interior_ior(scene, from);
     }
-    if (s.material == NONE) {
+    float opacity = surface_opacity(scene, s);
+    if (opacity < 1.0f && (opacity <= 0.0f || rng_1d(state.rng) >= opacity)) {
+        state.weights.r_light /= 1.0f - opacity;  // a shadow ray multiplies by this instead of trying its luck
         state.inside = after;
         cross_surface(scene, s, state);
         return c;
@@ -236,7 +239,11 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     vec3 wo = -state.ray.direction;
     uint light_index = light_of_primitive(scene, scene.instances.at[s.instance], s.light_key);
     vec3 emission = surface_emission(scene, s);
-    if (!is_black(emission)) gather(state, emission, light_pdf(scene, light_index, state.vertex, state.ray.direction, distance(state.vertex, s.position)));
+    if (!is_black(emission)) {
+        // That the path met the emitter at all had the chance `opacity`; light sampling does not depend on it.
+        float pdf = light_pdf(scene, light_index, state.vertex, state.ray.direction, distance(state.vertex, s.position));
+        gather(state, emission, pdf / opacity);
+    }
 
     Frame frame = shading_frame(scene, s, wo);
     Bsdf bsdf = surface_bsdf(scene, s, n_ratio);
@@ -252,7 +259,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     vec2 u_point = sampler_2d(state.numbers);
     vec2 u_bsdf = sampler_2d(state.numbers);
     if (!bsdf_is_delta(bsdf)) {
-        LightSample light = sample_light(scene, s.position, u_choice.x, u_point);
+        LightSample light = sample_light(scene, s.position, u_choice.x, rng_1d(state.rng), u_point);
         if (light.pdf > 0.0f) {
             vec3 wi = to_local(frame, light.direction);
             // Shading and geometric normal must agree on which side the light is.
@@ -289,34 +296,45 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
 }
 
 // What a connection brings home.
-FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, const_in(Connection) c) {
+FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connection c) {
     if (!c.valid) return vec3(0.0f);
-    if (trace_occluded(scene, Ray(c.origin, 0.0f, c.direction, c.distance))) return vec3(0.0f);
+    if (trace_occluded(scene, c.ray)) return vec3(0.0f);
     SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), state.weights.hero);
     if (c.inside.count > 0u || scene.pass_through_count > 0u) {
-        Inside inside = c.inside;
-        vec3 origin = c.origin;
-        float left = c.distance;
-        for (uint i = 0u; i < MAX_SHADOW_SEGMENTS; ++i) {
-            Hit hit = no_hit(left);
-            if (scene.pass_through_count > 0u) hit = trace_closest(scene, Ray(origin, 0.0f, c.direction, left), TRACE_PASS_THROUGH);
-            if (inside.count > 0u) attenuate(scene, active_media(scene, inside), origin, c.direction, is_hit(hit) ? hit.t : left, w, state.rng);
-            if (is_black(w.throughput)) return vec3(0.0f);
-            if (!is_hit(hit)) break;
-            Surface s = surface_at(scene, Ray(origin, 0.0f, c.direction, left), hit);
-            if (s.material == NONE) {
-                inside_leave(inside, s.leaves);
-                inside_enter(inside, s.enters);
-            } else {
-                float clear = 1.0f - surface_opacity(scene, s);
-                if (!(clear > 0.0f)) return vec3(0.0f);
-                w.throughput *= clear;
-                w.r_path *= clear;
+        Ray ray = c.ray;
+        float stretch = length(ray.direction);
+        vec3 direction = ray.direction / stretch;
+        bool arrived = false;
+        for (uint i = 0u; i < MAX_SHADOW_SEGMENTS && !arrived; ++i) {
+            Hit hit = no_hit(ray.t_max);
+            if (scene.pass_through_count > 0u) hit = trace_closest(scene, ray, TRACE_PASS_THROUGH);
+            if (c.inside.count > 0u) {
+                float way = hit.t == INFINITE ? INFINITE : hit.t * stretch;
+                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, w, c.rng)) state.flags |= PATH_BOUND_REACHED;
             }
-            vec3 next = leave_surface(scene, s, c.direction);
-            if (left != INFINITE) left -= dot(next - origin, c.direction);
-            if (!(left > 0.0f)) break;
-            origin = next;
+            if (is_black(w.throughput)) return vec3(0.0f);
+            if (!is_hit(hit)) {
+                arrived = true;
+                continue;
+            }
+            Surface s = surface_at(scene, ray, hit);
+            float clear = 1.0f - surface_opacity(scene, s);
+            if (!(clear > 0.0f)) return vec3(0.0f);
+            w.throughput *= clear;
+            w.r_path *= clear;
+            inside_leave(c.inside, s.leaves);
+            inside_enter(c.inside, s.enters);
+            vec3 end = ray_at(ray, ray.t_max);
+            ray.origin = leave_surface(scene, s, direction);
+            if (ray.t_max != INFINITE) {
+                ray.direction = end - ray.origin;
+                arrived = dot(ray.direction, direction) <= 0.0f;
+                stretch = length(ray.direction);
+            }
+        }
+        if (!arrived) {  // too many interfaces: taken as a shadow, and counted
+            state.flags |= PATH_BOUND_REACHED;
+            return vec3(0.0f);
         }
     }
     float density = average(c.r_light * w.r_light + c.r_path * w.r_path);

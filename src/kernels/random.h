@@ -88,23 +88,23 @@ FN float sampler_1d(inout(Sampler) s) {
     return uint_to_unit_float(reverse_bits32(x));
 }
 
-// An independent stream, for loops without a known number of dimensions (null collisions).
-// O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms", 2014: RXS-M-XS, 32
-// bits.
+// An independent stream, for loops without a known number of dimensions (null collisions). Counter-based, in the manner of
+// Salmon et al., "Parallel Random Numbers: As Easy as 1, 2, 3", 2011: the key permutes the hashed counter, so that streams
+// do not run into each other as those of one long cycle would.
 struct Rng {
-    uint state;
+    uint key;
+    uint counter;
 };
 
 // Streams of one sample differ by salt; the sampler's dimension plays no part.
 FN Rng make_rng(Sampler s, uint salt) {
-    return Rng(hash_combine(hash_combine(s.pixel_hash, s.reversed_index), salt));
+    return Rng(hash_combine(hash_combine(s.pixel_hash, s.reversed_index), salt), 0u);
 }
 
 FN uint rng_uint(inout(Rng) r) {
-    uint state = r.state;
-    r.state = state * 747796405u + 2891336453u;
-    uint word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
-    return (word >> 22) ^ word;
+    uint counter = r.counter;
+    r.counter = counter + 1u;
+    return hash_uint(hash_uint(counter + 0x9e3779b9u) ^ r.key);
 }
 
 FN float rng_1d(inout(Rng) r) { return uint_to_unit_float(rng_uint(r)); }

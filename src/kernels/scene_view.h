@@ -98,6 +98,7 @@ struct Instance {
 };
 BUFFER(Instances, Instance)
 
+const uint INSTANCE_ENCLOSES = 2u;      // has an interior, and is not a voxel set
 const uint INSTANCE_PASS_THROUGH = 1u;  // some of it does not stop a shadow ray for sure: an interface without a material, or opacity < 1
 
 // What a material slot of an instance means.
@@ -112,7 +113,7 @@ BUFFER(Slots, Slot)
 struct Interior {
     uint medium;   // NONE: clear
     float ior;     // index of refraction; 0: not a dielectric, a mere volume whose extinction adds to what it overlaps
-    int priority;  // where dielectrics overlap, the highest priority wins
+    int priority;  // where dielectrics overlap, the highest wins; a mere volume has 0 and yields to dielectrics above
 };
 BUFFER(Interiors, Interior)
 
@@ -132,6 +133,7 @@ struct Medium {
     uint erosion_octaves;
     vec3 erosion_drift;   // added to the noise coordinate
     float density_bound;  // the erosion's factor never exceeds this
+    float emission_rate;  // collisions per unit length at density 1, at least, by which emission is found
 };
 BUFFER(Media, Medium)
 
@@ -262,6 +264,7 @@ struct Camera {
     uvec2 resolution;        // of the whole film, a crop included
     float filter_radius;     // of the pixel filter, pixels
     uint filter_kind;        // PIXEL_FILTER_… of camera.h
+    uint locate_rays;        // 1: not all rays start inside of the same things
 };
 
 // The whole scene.

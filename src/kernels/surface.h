@@ -35,6 +35,15 @@ FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
     return voxel_palette(scene, grid.word_first, voxel_linear(grid.size, c));
 }
 
+// Which of two voxels that are not opaque lends its material to the face between them, whatever side a ray comes from.
+FN bool voxel_owns(const_in(SceneView) scene, uint slot_first, uint palette, uint other) {
+    uint a = scene.slots.at[slot_first + palette - 1u].interior;
+    uint b = scene.slots.at[slot_first + other - 1u].interior;
+    if (a == NONE || b == NONE) return a == NONE;
+    int difference = scene.interiors.at[a].priority - scene.interiors.at[b].priority;
+    return difference != 0 ? difference > 0 : palette < other;
+}
+
 FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     RECORD(Instance) instance = scene.instances.at[hit.instance];
     Surface s;
@@ -46,8 +55,8 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     s.light_key = hit.primitive;
     vec3 local = instance.world_to_object * vec4(ray_at(ray, hit.t), 1.0f);
     vec3 local_direction = instance.world_to_object * vec4(ray.direction, 0.0f);
-    s.entering = dot(local_direction, hit.normal) < 0.0f;
-    vec3 shading = hit.normal;
+    vec3 outward = hit.normal;
+    vec3 shading = outward;
     vec3 tangent = vec3(0.0f);
     uint slot = instance.slot_first;
     float extent = 0.0f;  // magnitude of the local coordinates that the position was computed from
@@ -79,11 +88,20 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         float plane = float(hit.cell[axis]) + (positive ? 1.0f : 0.0f);
         local[axis] = plane;
         extent = max_component(vec3(grid.size));
-        slot += voxel_at(scene, grid, hit.cell) - 1u;
         ivec3 neighbour = hit.cell;
         neighbour[axis] += positive ? 1 : -1;
+        uint owner = voxel_at(scene, grid, hit.cell);
         other = voxel_at(scene, grid, neighbour);
         s.light_key = hit.primitive * 6u + hit.face;
+        if (other != 0u && !voxel_owns(scene, instance.slot_first, owner, other)) {
+            uint exchanged = owner;
+            owner = other;
+            other = exchanged;
+            outward = -outward;
+            shading = outward;
+            s.light_key = voxel_linear(grid.size, neighbour) * 6u + (hit.face ^ 1u);
+        }
+        slot += owner - 1u;
     } else if (instance.geometry_kind == GEOMETRY_SDF) {
         RECORD(Sdf) sdf = scene.sdfs.at[instance.geometry];
         extent = max_component(max(abs(sdf.lower), abs(sdf.upper)));
@@ -115,8 +133,9 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
                           max_component(abs(s.position)));
     s.error = magnitude * 9.5367432e-7f;  // 2⁻²⁰: eight units of rounding of the largest term
 
-    s.geometric_normal = normalize(rotate_normal(instance, hit.normal));
-    s.normal = normalize(rotate_normal(instance, shading));
+    s.entering = dot(local_direction, outward) < 0.0f;
+    s.geometric_normal = normalize_any(rotate_normal(instance, normalize_any(outward)));
+    s.normal = normalize_any(rotate_normal(instance, normalize_any(shading)));
     if (dot(s.normal, s.geometric_normal) < 0.0f) s.normal = -s.normal;
     vec3 world_tangent = linear * tangent;
     s.tangent = dot(world_tangent, world_tangent) > 1.0e-20f ? normalize(world_tangent) : vec3(0.0f);
@@ -169,10 +188,7 @@ FN Bsdf surface_bsdf(const_in(SceneView) scene, const_in(Surface) s, float n_rat
 
 FN float surface_opacity(const_in(SceneView) scene, const_in(Surface) s) {
     if (s.material == NONE) return 0.0f;
-    float opacity = scene.materials.at[s.material].opacity;
-    uint t = scene.materials.at[s.material].opacity_texture;
-    if (t != NONE) opacity *= texture_at(scene, t, s.uv).w;
-    return opacity;
+    return material_opacity(scene, s.material, s.uv);
 }
 
 // Radiance that the surface itself sends towards wo.

@@ -35,6 +35,8 @@ FN vec4 texture_at(const_in(SceneView) scene, uint index, vec2 uv) {
     RECORD(Texture) t = scene.textures.at[index];
     vec2 st = uv * t.scale + t.offset;
     if (t.kind == TEXTURE_CHECKER) {
+        // Beyond this a float has no fraction left, and int no value.
+        if (!(abs(st.x) < 1.0e6f) || !(abs(st.y) < 1.0e6f)) return vec4(0.5f * (t.color_a + t.color_b), 1.0f);
         int parity = (int(floor(st.x)) + int(floor(st.y))) & 1;
         return vec4(parity == 0 ? t.color_a : t.color_b, 1.0f);
     }

@@ -14,7 +14,9 @@
 KERNELS_BEGIN
 
 FN bool instance_admitted(uint flags, uint mask) {
-    return (((flags & INSTANCE_PASS_THROUGH) != 0u ? TRACE_PASS_THROUGH : TRACE_SOLID) & mask) != 0u;
+    uint kinds = (flags & INSTANCE_PASS_THROUGH) != 0u ? TRACE_PASS_THROUGH : TRACE_SOLID;
+    if ((flags & INSTANCE_ENCLOSES) != 0u) kinds |= TRACE_ENCLOSING;
+    return (kinds & mask) != 0u;
 }
 
 FN Ray ray_to_local(const_in(Instance) instance, Ray ray) {

@@ -9,12 +9,23 @@
 
 namespace spinel {
 
-void FilmPixel::add(vec3 radiance) {
+bool FilmPixel::add(const kernels::PixelSample& sample) {
+    vec3 radiance = sample.radiance;
+    const bool finite = std::isfinite(radiance.x) && std::isfinite(radiance.y) && std::isfinite(radiance.z);
+    if (!finite) radiance = vec3(0);
+    if (sample.first.object != kernels::NONE) {
+        if (object == 0) object = sample.first.object + 1;
+        ++hits;
+        normal += sample.first.normal;
+        albedo += sample.first.albedo;
+        depth += double(sample.first.depth);
+    }
     sum += glm::dvec3(radiance);
     ++count;
     const double l = kernels::luminance(radiance), delta = l - mean;
     mean += delta / count;
     deviation += delta * (l - mean);
+    return finite;
 }
 
 double FilmPixel::error_variance() const {

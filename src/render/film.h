@@ -8,6 +8,7 @@
 
 #include "core/result.h"
 #include "image/image_io.h"
+#include "kernels/pixel_sample.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -23,7 +24,8 @@ struct FilmPixel {
     std::uint32_t count = 0;     // samples
     std::uint32_t object = 0;    // of the first sample that hit something, plus 1; 0: background
 
-    void add(vec3 radiance);
+    // A sample that is not finite counts as black; gives false.
+    bool add(const kernels::PixelSample& sample);
     // Variance of the mean luminance.
     double error_variance() const;
 };
@@ -40,6 +42,7 @@ struct FilmBuffer {
     Crop crop;
     std::vector<FilmPixel> pixels;  // of the crop, row by row
     std::uint64_t bound_reached = 0;  // samples cut by a safety bound
+    std::uint64_t not_finite = 0;     // samples that were thrown away
 
     FilmBuffer() = default;
     FilmBuffer(ivec2 size, Crop crop);

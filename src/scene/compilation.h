@@ -11,8 +11,11 @@ namespace spinel {
 
 struct Compilation {
     const Scene& scene;
-    CompiledScene out;
-    std::vector<kernels::uint> grid_of;  // Scene::grids → DensityGrids, NONE until used
+    CompiledScene out = {};
+    std::vector<kernels::uint> grid_of = {};  // Scene::grids → DensityGrids, NONE until used
+    float emission_rate = 0;             // for emissive media, per unit length: some collisions on the way through the scene
+    std::map<std::string, kernels::uint> media = {};  // records by their bytes, so that equals share one
+    std::map<std::string, kernels::uint> interiors = {};
 
     // A geometry compiled once, however often it is placed.
     struct Shape {
@@ -24,7 +27,7 @@ struct Compilation {
         bool bounded = true;
         std::size_t slot_count = 1;
     };
-    std::vector<Shape> shapes;  // parallel to Scene::geometries
+    std::vector<Shape> shapes = {};  // parallel to Scene::geometries
 };
 
 // compile_textures.cpp

@@ -63,9 +63,7 @@ kernels::SceneView CompiledScene::view() const {
     v.unbounded_count = uint(instances.size()) - bounded_count;
     v.light_count = uint(light_table.size());
     v.infinite_light_count = infinite_light_count;
-    v.pass_through_count = uint(std::count_if(instances.begin(), instances.end(), [](const kernels::Instance& i) {
-        return (i.flags & kernels::INSTANCE_PASS_THROUGH) != 0;
-    }));
+    v.pass_through_count = pass_through_count;
     v.scene_radius = 0.5f * glm::length(upper - lower);
     v.scene_center = 0.5f * (lower + upper);
     v.camera_inside_count = camera_inside_count;
@@ -77,6 +75,9 @@ kernels::SceneView CompiledScene::view() const {
 namespace {
 
 using Shape = Compilation::Shape;
+
+constexpr std::size_t max_pool = 0xffffffffu;  // indices into words and floats are 32 bits
+
 
 mat4x3 scaling(vec3 s) { return mat4x3(vec3(s.x, 0, 0), vec3(0, s.y, 0), vec3(0, 0, s.z), vec3(0)); }
 
@@ -176,8 +177,15 @@ Box world_bounds(const mat4x3& m, vec3 lower, vec3 upper) {
     return {center - extent - pad, center + extent + pad};
 }
 
+// Whether every ray that meets the material is stopped by it.
+bool is_solid(const Scene& scene, int material) {
+    if (material < 0) return false;
+    const kernels::Material& m = scene.materials[std::size_t(material)].values;
+    return m.opacity >= 1 && m.opacity_texture == NONE;
+}
+
 // What is inside a slot of an object: the object's own interior before the material's.
-uint slot_interior(Compilation& c, const Object& object, int material) {
+uint slot_interior(Compilation& c, const Object& object, const Shape& shape, int material) {
     kernels::Interior interior;
     std::memset(&interior, 0, sizeof interior);
     interior.medium = NONE;
@@ -191,7 +199,7 @@ uint slot_interior(Compilation& c, const Object& object, int material) {
             absorption = m.absorption;
         }
         if (medium < 0 && m.interior != NONE) medium = int(m.interior);
-        if (interior.ior == 0) return NONE;  // opaque: nothing ever gets inside
+        if (interior.ior == 0 && is_solid(c.scene, material)) return NONE;  // nothing ever gets inside
     }
     if (medium >= 0) {
         interior.medium = add_scene_medium(c, medium, object.transform);
@@ -205,8 +213,27 @@ uint slot_interior(Compilation& c, const Object& object, int material) {
         beer.flags = kernels::MEDIUM_ABSORBS_ONLY;
         interior.medium = add_medium(c, beer);
     }
-    if (interior.medium == NONE && interior.ior == 0) return NONE;
+    if (interior.medium == NONE && interior.ior == 0) {
+        // A voxel that lets rays pass is a region of its own: a ray that begins in it must not meet it again.
+        if (shape.kind != kernels::GEOMETRY_VOXELS || material < 0) return NONE;
+        interior.priority = -1 - material;
+    }
     return add_interior(c, interior);
+}
+
+// Emission of heterogeneous media is found at collisions; where a medium does not scatter or absorb, null collisions at
+// this rate find it: about eight on the way through all that is bounded.
+float emission_rate(const Compilation& c) {
+    vec3 lower(1e30f), upper(-1e30f);
+    for (const Object& object : c.scene.objects) {
+        const Shape& shape = c.shapes[std::size_t(object.geometry)];
+        if (!shape.bounded) continue;
+        const Box box = world_bounds(affine_product(object.transform, shape.bake), shape.lower, shape.upper);
+        lower = glm::min(lower, box.lower);
+        upper = glm::max(upper, box.upper);
+    }
+    const float extent = glm::length(upper - lower);
+    return lower.x <= upper.x && extent > 0 ? 8 / extent : 0;
 }
 
 void add_instance(Compilation& c, std::size_t index) {
@@ -224,12 +251,12 @@ void add_instance(Compilation& c, std::size_t index) {
         const int material = object.materials.empty()       ? -1
                              : object.materials.size() == 1 ? object.materials[0]
                                                             : object.materials[s];
-        const kernels::Slot slot{material < 0 ? NONE : uint(material), slot_interior(c, object, material)};
+        const kernels::Slot slot{material < 0 ? NONE : uint(material), slot_interior(c, object, shape, material)};
         c.out.slots.push_back(slot);
-        const bool solid = material >= 0 && c.scene.materials[std::size_t(material)].values.opacity >= 1 &&
-                           c.scene.materials[std::size_t(material)].values.opacity_texture == NONE;
-        if (!solid) instance.flags |= kernels::INSTANCE_PASS_THROUGH;
+        if (!is_solid(c.scene, material)) instance.flags |= kernels::INSTANCE_PASS_THROUGH;
+        if (slot.interior != NONE && shape.kind != kernels::GEOMETRY_VOXELS) instance.flags |= kernels::INSTANCE_ENCLOSES;
     }
+    if (instance.flags & kernels::INSTANCE_PASS_THROUGH) ++c.out.pass_through_count;
     c.out.instances.push_back(instance);
 }
 
@@ -289,6 +316,29 @@ kernels::Camera kernel_camera(const Camera& camera, const Film& film) {
     return k;
 }
 
+// What the camera's rays start inside of: found once, or, where the ends of a lens or the corners of an orthographic picture
+// disagree, ray by ray.
+Result<void> place_camera_inside(Compilation& c, const Camera& camera) {
+    CompiledScene& out = c.out;
+    const kernels::Inside inside = kernels::interiors_at(out.view(), camera.from);
+    if (inside.dropped > 0) return Error{fmt::format("the camera lies in more than {} nested objects", kernels::MAX_INSIDE)};
+    const kernels::Camera& k = out.camera;
+    const bool flat = k.kind == kernels::CAMERA_ORTHOGRAPHIC;
+    const float y = flat ? k.half_height : k.lens_radius;
+    const float x = flat ? k.half_height * float(k.resolution.x) / float(k.resolution.y) : k.lens_radius;
+    if (flat || k.lens_radius > 0)
+        for (int i = 0; i < 9; ++i) {
+            const vec3 p = k.camera_to_world * vec4(x * float(i % 3 - 1), y * float(i / 3 - 1), 0, 1);
+            const kernels::Inside there = kernels::interiors_at(out.view(), p);
+            if (there.count != inside.count || !std::equal(there.entries, there.entries + there.count, inside.entries))
+                out.camera.locate_rays = 1;
+        }
+    out.camera_inside_first = uint(out.words.size());
+    out.camera_inside_count = inside.count;
+    out.words.insert(out.words.end(), inside.entries, inside.entries + inside.count);
+    return {};
+}
+
 Result<Camera> choose_camera(const Scene& scene, const std::string& name) {
     if (scene.cameras.empty()) return Error{"the scene has no camera"};
     if (name.empty()) return scene.cameras.front();
@@ -304,7 +354,8 @@ Result<Camera> choose_camera(const Scene& scene, const std::string& name) {
 
 Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options) {
     if (Result<void> valid = validate(scene); !valid) return valid.error();
-    Compilation c{scene, {}, std::vector<uint>(scene.grids.size(), NONE), {}};
+    Compilation c{.scene = scene};
+    c.grid_of.assign(scene.grids.size(), NONE);
     CompiledScene& out = c.out;
     out.film = scene.film;
     if (options.size.x > 0 && options.size.y > 0) out.film.size = options.size;
@@ -325,6 +376,7 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
         shape->slot_count = std::max<std::size_t>(slot_count(geometry), 1);
         c.shapes.push_back(*shape);
     }
+    c.emission_rate = emission_rate(c);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         add_instance(c, i);
         out.object_names.push_back(scene.objects[i].name);
@@ -341,11 +393,11 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
         const Result<Camera> camera = choose_camera(scene, options.camera);
         if (!camera) return camera.error();
         out.camera = kernel_camera(*camera, out.film);
-        const kernels::Inside inside = kernels::interiors_at(out.view(), camera->from);
-        out.camera_inside_first = uint(out.words.size());
-        out.camera_inside_count = inside.count;
-        out.words.insert(out.words.end(), inside.entries, inside.entries + inside.count);
+        if (Result<void> placed = place_camera_inside(c, *camera); !placed) return placed.error();
     }
+    if (out.words.size() > max_pool || out.floats.size() > max_pool)
+        return Error{fmt::format("the scene needs {} words of voxels and textures and {} of densities and environment; at most {} each "
+                                 "can be addressed", out.words.size(), out.floats.size(), max_pool)};
     return std::move(c.out);
 }
 

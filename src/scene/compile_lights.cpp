@@ -44,10 +44,9 @@ kernels::Light flat_light(const CompiledScene& out, uint kind, uint instance, ui
     return light;
 }
 
-void add_mesh_lights(CompiledScene& out, uint instance) {
+void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint instance) {
     const kernels::Instance placed = out.instances[instance];
     const kernels::Mesh& mesh = out.meshes[placed.geometry];
-    const kernels::SceneView view = out.view();
     for (uint i = 0; i < mesh.triangle_count; ++i) {
         const uint material = out.slots[placed.slot_first + out.triangle_infos[mesh.triangle_first + i].slot].material;
         if (!emits(out, material)) continue;
@@ -59,7 +58,7 @@ void add_mesh_lights(CompiledScene& out, uint instance) {
             // Most of a textured emitter is often black: a triangle that is black all over needs no light.
             vec3 sum(0);
             for (int a = 0; a <= 4; ++a)
-                for (int b = 0; a + b <= 4; ++b) sum += kernels::light_emission(view, light, vec2(float(a), float(b)) / 4.0f);
+                for (int b = 0; a + b <= 4; ++b) sum += kernels::material_emission(view, material, kernels::light_uv(view, light, vec2(float(a), float(b)) / 4.0f));
             if (kernels::is_black(sum)) continue;
             light.radiance = sum / 15.0f;
         }
@@ -67,10 +66,9 @@ void add_mesh_lights(CompiledScene& out, uint instance) {
     }
 }
 
-void add_voxel_lights(CompiledScene& out, uint instance) {
+void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, uint instance) {
     const kernels::Instance placed = out.instances[instance];
     const kernels::VoxelGrid grid = out.voxel_grids[placed.geometry];
-    const kernels::SceneView view = out.view();
     const auto slot_of = [&](uint palette) { return out.slots[placed.slot_first + palette - 1]; };
     uint linear = 0;
     for (int z = 0; z < grid.size.z; ++z)
@@ -88,6 +86,7 @@ void add_voxel_lights(CompiledScene& out, uint instance) {
                     const uint there = kernels::voxel_class(view, placed.slot_first, across);
                     if (there == kernels::VOXEL_OPAQUE || there == kernels::voxel_class(view, placed.slot_first, palette))
                         continue;
+                    if (across != 0 && !kernels::voxel_owns(view, placed.slot_first, palette, across)) continue;
                     vec3 corner(cell), u(0), v(0), normal(0);
                     if (face & 1) corner[axis] += 1;
                     u[(axis + 1) % 3] = 1;
@@ -196,23 +195,29 @@ void add_infinite_and_point_lights(Compilation& c) {
 
 void add_surface_lights(Compilation& c) {
     CompiledScene& out = c.out;
+    const kernels::SceneView view = out.view();  // of what emits; the lights, which grow, are not looked at
     for (uint i = 0; i < out.instances.size(); ++i) {
+        const Compilation::Shape& shape = c.shapes[std::size_t(c.scene.objects[i].geometry)];
+        bool any = false;
+        for (std::size_t s = 0; s < shape.slot_count; ++s) any |= emits(out, out.slots[out.instances[i].slot_first + s].material);
+        if (!any) continue;
         const uint first = uint(out.lights.size());
         const kernels::Instance placed = out.instances[i];
         const uint material = out.slots[placed.slot_first].material;
         switch (placed.geometry_kind) {
-            case kernels::GEOMETRY_MESH: add_mesh_lights(out, i); break;
-            case kernels::GEOMETRY_VOXELS: add_voxel_lights(out, i); break;
+            case kernels::GEOMETRY_MESH: add_mesh_lights(out, view, i); break;
+            case kernels::GEOMETRY_VOXELS: add_voxel_lights(out, view, i); break;
             case kernels::GEOMETRY_SPHERE:
-                // A stretched sphere is found by following paths alone.
-                if (emits(out, material) && is_similarity(placed.object_to_world)) add_sphere_light(out, i, material);
+                // A sphere that is stretched or textured is found by following paths alone.
+                if (is_similarity(placed.object_to_world) && out.materials[material].emission_texture == NONE &&
+                    out.materials[material].opacity_texture == NONE)
+                    add_sphere_light(out, i, material);
                 break;
             case kernels::GEOMETRY_BOX:
-                if (emits(out, material)) add_box_lights(out, i, material);
+                add_box_lights(out, i, material);
                 break;
             case kernels::GEOMETRY_RECTANGLE:
-                if (emits(out, material))
-                    out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, i, 0, material, {-1, 0, 1}, {2, 0, 0},
+                out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, i, 0, material, {-1, 0, 1}, {2, 0, 0},
                                                     {0, 0, -2}, {0, 1, 0}));
                 break;
             default: break;  // planes have no area, SDFs no parametrisation: found by following paths

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <string>
 
 #include "core/parallel.h"
 #include "kernels/density.h"
@@ -13,11 +14,10 @@ using kernels::uint;
 
 // Records are plain bytes, filled from zero, so equal records have equal bytes.
 template <class T>
-uint add_shared(std::vector<T>& records, const T& record) {
-    for (std::size_t i = 0; i < records.size(); ++i)
-        if (std::memcmp(&records[i], &record, sizeof(T)) == 0) return uint(i);
-    records.push_back(record);
-    return uint(records.size() - 1);
+uint add_shared(std::vector<T>& records, std::map<std::string, uint>& known, const T& record) {
+    const auto [at, fresh] = known.try_emplace(std::string(reinterpret_cast<const char*>(&record), sizeof record), uint(records.size()));
+    if (fresh) records.push_back(record);
+    return at->second;
 }
 
 constexpr int majorant_cell = 4;  // samples; measured: finer costs steps, coarser costs null collisions
@@ -71,9 +71,9 @@ uint kernel_erosion(Erosion::Kind kind) {
 
 }  // namespace
 
-uint add_medium(Compilation& c, const kernels::Medium& medium) { return add_shared(c.out.media, medium); }
+uint add_medium(Compilation& c, const kernels::Medium& medium) { return add_shared(c.out.media, c.media, medium); }
 
-uint add_interior(Compilation& c, const kernels::Interior& interior) { return add_shared(c.out.interiors, interior); }
+uint add_interior(Compilation& c, const kernels::Interior& interior) { return add_shared(c.out.interiors, c.interiors, interior); }
 
 uint add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) {
     if (index < 0) return NONE;
@@ -87,6 +87,7 @@ uint add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) 
     record.grid = NONE;
     record.world_to_grid = mat4x3(1);
     record.density_bound = 1;
+    record.emission_rate = kernels::is_black(medium.emission) ? 0.0f : c.emission_rate;
     if (medium.grid >= 0) {
         record.grid = add_grid(c, medium.grid);
         record.world_to_grid = affine_inverse(

@@ -35,6 +35,7 @@ struct CompiledScene {
     kernels::Environment environment = {};
     kernels::Camera camera = {};
     std::uint32_t bounded_count = 0;
+    std::uint32_t pass_through_count = 0;
     std::uint32_t infinite_light_count = 0;
     std::uint32_t camera_inside_first = 0;
     std::uint32_t camera_inside_count = 0;

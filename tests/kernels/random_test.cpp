@@ -172,12 +172,12 @@ TEST(Rng, is_uniform_and_streams_differ) {
 
 TEST(Rng, does_not_depend_on_the_samplers_dimension) {
     Sampler s = make_sampler(uvec2(5, 6), 7, 8);
-    const uint state = make_rng(s, 3).state;
+    const uint state = make_rng(s, 3).key;
     sampler_2d(s);
-    EXPECT_EQ(make_rng(s, 3).state, state);
-    EXPECT_NE(make_rng(s, 4).state, state);
-    EXPECT_NE(make_rng(make_sampler(uvec2(5, 6), 8, 8), 3).state, state);
-    EXPECT_NE(make_rng(make_sampler(uvec2(6, 6), 7, 8), 3).state, state);
+    EXPECT_EQ(make_rng(s, 3).key, state);
+    EXPECT_NE(make_rng(s, 4).key, state);
+    EXPECT_NE(make_rng(make_sampler(uvec2(5, 6), 8, 8), 3).key, state);
+    EXPECT_NE(make_rng(make_sampler(uvec2(6, 6), 7, 8), 3).key, state);
 }
 
 TEST(Hash, changes_half_the_bits) {

@@ -15,7 +15,7 @@ namespace spinel {
 namespace {
 
 // Something of everything that could depend on order: media, glass, textures, several lights.
-constexpr const char* text = R"({
+constexpr const char* text = R"json({
   "version": 1,
   "camera": {"from": [0, 1.2, 5], "at": [0, 0.6, 0], "fov": 45, "lens_radius": 0.05},
   "film": {"size": [61, 47]},
@@ -35,7 +35,7 @@ constexpr const char* text = R"({
 },
               {"geometry": {"type": "sphere", "radius": 0.2}, "material": "lamp", "transform": [{"translate": [0, 2.5, 0]}]}],
   "lights": [{"type": "point", "position": [2, 3, 2], "intensity": 5}]
-})";
+})json";
 
 CompiledScene compiled_scene() {
     const SceneLoaders no_files{

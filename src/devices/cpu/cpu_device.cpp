@@ -16,7 +16,7 @@ class CpuDevice : public Device {
 
     Result<void> render(const RenderPass& pass, FilmBuffer& film, const std::atomic<bool>& stop) override {
         const ivec2 tiles = tile_count(film);
-        std::atomic<std::uint64_t> bound_reached{0};
+        std::atomic<std::uint64_t> bound_reached{0}, not_finite{0};
         parallel_for(std::size_t(tiles.x) * std::size_t(tiles.y), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t tile = begin; tile < end; ++tile) {
                 if (pass.finished_tiles && (*pass.finished_tiles)[tile]) continue;
@@ -24,30 +24,24 @@ class CpuDevice : public Device {
                 for (int y = crop.lower.y; y < crop.upper.y; ++y)
                     for (int x = crop.lower.x; x < crop.upper.x; ++x) {
                         if (stop.load(std::memory_order_relaxed)) return;
-                        bound_reached += render_pixel(pass, {x, y}, film.at(x, y));
+                        render_pixel(pass, {x, y}, film.at(x, y), bound_reached, not_finite);
                     }
             }
         });
         film.bound_reached += bound_reached;
+        film.not_finite += not_finite;
         return {};
     }
 
   private:
-    std::uint64_t render_pixel(const RenderPass& pass, glm::uvec2 pixel, FilmPixel& to) const {
-        std::uint64_t bound_reached = 0;
+    void render_pixel(const RenderPass& pass, glm::uvec2 pixel, FilmPixel& to, std::atomic<std::uint64_t>& bound_reached,
+                      std::atomic<std::uint64_t>& not_finite) const {
         for (std::uint32_t i = 0; i < pass.sample_count; ++i) {
             const kernels::PixelSample sample =
                 kernels::integrate(view_, pass.settings, pass.integrator, pixel, pass.first_sample + i);
-            to.add(sample.radiance);
-            bound_reached += sample.bound_reached;
-            if (sample.first.object == kernels::NONE) continue;
-            if (to.object == 0) to.object = sample.first.object + 1;
-            ++to.hits;
-            to.normal += sample.first.normal;
-            to.albedo += sample.first.albedo;
-            to.depth += double(sample.first.depth);
+            if (sample.bound_reached) ++bound_reached;
+            if (!to.add(sample)) ++not_finite;
         }
-        return bound_reached;
     }
 
     kernels::SceneView view_ = {};
