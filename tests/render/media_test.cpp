@@ -158,7 +158,7 @@ TEST(Media, shadows_through_media_are_their_transmittance) {
         render_text(line_of_sight(from, at, 1,
                                   sun + cloud(R"("scattering": [0.1, 0.6, 0.5], "absorption": [0.2, 0, 0.5])",
                                               values, ", " + floor)),
-                    1024)
+                    16384)
             .mean(),
         per_channel([&](int k) { return 0.5 * std::exp(-sigma[k] * depth); }), 4, 0.03);
 }
@@ -359,7 +359,7 @@ TEST(Media, white_clouds_vanish_in_uniform_light) {
             "media": {{"white": {{"density": "bunny", {}}}}},
             "objects": [{{"geometry": "bunny", "interior": "white"}}]}})",
                 bunny, medium),
-            40);
+            160);
         const Estimate e = p.mean();
         for (int k = 0; k < 3; ++k) {
             EXPECT_NEAR(e.mean[k], 1, std::min(0.005, 4.5 * e.error[k] + 1e-5)) << medium << " channel " << k;
