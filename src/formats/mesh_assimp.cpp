@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
+#include <string_view>
 
 #include "formats/file_bytes.h"
 #include "formats/gltf_extras.h"
@@ -41,6 +44,23 @@ mat4x3 to_transform(const aiMatrix4x4& m) {
     return {vec3(m.a1, m.b1, m.c1), vec3(m.a2, m.b2, m.c2), vec3(m.a3, m.b3, m.c3), vec3(m.a4, m.b4, m.c4)};
 }
 
+// Whether the lines up to end_header are such as the format has. Assimp reads on for ever where they end
+// early.
+bool is_ply_header(const std::filesystem::path& path) {
+    static constexpr std::size_t MAX_LINES = 10000;
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    for (std::size_t i = 0; i < MAX_LINES && std::getline(file, line); ++i) {
+        const std::string word = line.substr(0, line.find_first_of(" \t\r"));
+        if (i == 0 && word != "ply") return false;
+        if (word == "end_header") return true;
+        static constexpr std::string_view known[] = {"ply",     "format",   "comment", "obj_info",
+                                                     "element", "property", ""};
+        if (std::find(std::begin(known), std::end(known), word) == std::end(known)) return false;
+    }
+    return false;
+}
+
 class MeshLoader {
   public:
     MeshLoader(const std::filesystem::path& path, const GltfExtras* gltf) : path_(path), gltf_(gltf) {}
@@ -48,7 +68,10 @@ class MeshLoader {
     Result<Scene> load() {
         std::error_code error;
         if (!std::filesystem::is_regular_file(path_, error))
-            return cannot_read(path_, "there is no such file");
+            return cannot_read(path_, std::filesystem::exists(path_, error) ? "that is not a plain file"
+                                                                            : "there is no such file");
+        if (path_extension() == ".ply" && !is_ply_header(path_))
+            return cannot_read(path_, "its PLY header is damaged");
         if (std::filesystem::file_size(path_, error) > MAX_FILE)
             return cannot_read(path_,
                                "its size is more than the " + std::to_string(MAX_FILE) + " bytes allowed");

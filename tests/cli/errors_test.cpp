@@ -84,6 +84,11 @@ TEST_F(CliErrors, harmed_models_are_refused) {
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n",
         "nan.ply");
+    // An endless loop of Assimp's, if it were asked.
+    expect_refused_file("cut.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n",
+                        "its PLY header is damaged");
+    expect_refused_file("odd.ply", "ply\nformat ascii 1.0\nelement vertex 3\nv 0 0 0\nend_header\n",
+                        "its PLY header is damaged");
     const std::string vox =
         std::string("VOX ") + raw<int>(150) + "MAIN" + raw<int>(0) + raw<int>(1000) + "SIZE" + raw<int>(12);
     for (const std::size_t length :
