@@ -225,6 +225,7 @@ struct Film {
 struct IntegratorSettings {
     std::string name = "path";
     int spp = 64;         // samples per pixel
+    float clamp = 0;       // most that one path may add by indirect light, against sparks; 0: none, unbiased
     int max_bounces = -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
 };
 

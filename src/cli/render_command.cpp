@@ -34,6 +34,7 @@ struct Options {
     std::string time;
     double noise = 0;
     int max_bounces = -2;
+    double clamp = -1;
     std::string integrator;
     std::string device = "cpu";
     std::uint32_t seed = 0;
@@ -210,6 +211,7 @@ struct Run {
             {"spinel.spp", fmt::format("{:.6g}", spp)},
             {"spinel.seed", fmt::format("{}", o.seed)},
             {"spinel.max_bounces", fmt::format("{}", render.max_bounces == -2 ? scene->integrator.max_bounces : render.max_bounces)},
+            {"spinel.clamp", fmt::format("{:.6g}", render.clamp < 0 ? double(scene->integrator.clamp) : render.clamp)},
             {"spinel.seconds", fmt::format("{:.3f}", result->seconds)},
             {"spinel.stopped_by", reason_text(result->reason)},
             {"spinel.relative_error", fmt::format("{:.6g}", film.relative_error())},
@@ -278,6 +280,7 @@ int run(const Options& o, const CommonOptions& common) {
     options.spp = o.spp;
     options.noise = o.noise;
     options.max_bounces = o.max_bounces;
+    options.clamp = o.clamp;
     options.integrator = o.integrator;
     options.seed = o.seed;
     options.crop = *crop;
@@ -310,6 +313,8 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")->check(finite)->check(CLI::Range(1e-6, 1.0));
     app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
     app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")->check(CLI::Range(-1, 1 << 20));
+    app.add_option("--clamp", o->clamp, "most that a path may add by indirect light, against sparks; 0: no limit, unbiased (default: the scene's, "
+                                        "else 0; 10 for a bare model)")->check(CLI::Range(0.0, 1e30));
     app.add_option("--device", o->device, "`spinel list devices`")->capture_default_str();
     app.add_option("--seed", o->seed, "another seed, another noise; the same seed, the same bits")->capture_default_str();
     app.add_option("-t,--threads", o->threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024))->capture_default_str();

@@ -15,27 +15,40 @@ const uint PIXEL_FILTER_BLACKMAN_HARRIS = 3u;  // Harris 1978, 4 terms, 92 dB
 FN float sample_pixel_filter(uint kind, float radius, float u) {
     if (kind == PIXEL_FILTER_BOX) return radius * (2.0f * u - 1.0f);
     if (kind == PIXEL_FILTER_TENT) return radius * interval_to_tent(u);
-    // The others by bisection of their cumulative distribution, which is closed or close to it. x in [-1, 1].
+    // The others by inverting their cumulative distribution, which is closed or close to it, x in [−1, 1]: Newton's steps
+    // inside a bracket that shrinks.
     float lo = -1.0f;
     float hi = 1.0f;
-    for (uint i = 0u; i < 20u; ++i) {
-        float x = 0.5f * (lo + hi);
+    float x = 0.0f;
+    for (uint i = 0u; i < 8u; ++i) {
         float c;
+        float density;
         if (kind == PIXEL_FILTER_GAUSSIAN) {
             // Error function after Abramowitz and Stegun 7.1.26, exact to 1.5e-7.
             float z = abs(x) * 3.0f * 0.70710678f;
             float t = 1.0f / (1.0f + 0.3275911f * z);
-            float erf = 1.0f - t * (0.254829592f + t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f)))) * exp(-z * z);
+            float bell = exp(-z * z);
+            float erf = 1.0f - t * (0.254829592f + t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f)))) * bell;
             c = 0.5f + (x < 0.0f ? -0.5f : 0.5f) * erf / 0.9973002f;
+            density = 3.0f * 0.39894228f * bell / 0.9973002f;
         } else {
+            // sin and cos of multiples of the angle by the angle's own.
             float a = PI * (x + 1.0f);
-            c = (0.35875f * a - 0.48829f * sin(a) + 0.14128f * 0.5f * sin(2.0f * a) - 0.01168f / 3.0f * sin(3.0f * a)) /
-                (0.35875f * 2.0f * PI);
+            float s1 = sin(a);
+            float c1 = cos(a);
+            float s2 = 2.0f * s1 * c1;
+            float c2 = 2.0f * c1 * c1 - 1.0f;
+            float s3 = s2 * c1 + c2 * s1;
+            float c3 = c2 * c1 - s2 * s1;
+            c = (0.35875f * a - 0.48829f * s1 + 0.14128f * 0.5f * s2 - 0.01168f / 3.0f * s3) / (0.35875f * 2.0f * PI);
+            density = (0.35875f - 0.48829f * c1 + 0.14128f * c2 - 0.01168f * c3) / (0.35875f * 2.0f);
         }
         if (c < u) lo = x;
         else hi = x;
+        float next = density > 1.0e-4f ? x - (c - u) / density : 0.5f * (lo + hi);
+        x = next > lo && next < hi ? next : 0.5f * (lo + hi);
     }
-    return radius * 0.5f * (lo + hi);
+    return radius * x;
 }
 
 // A ray of unit direction through a pixel; u_film and u_lens are uniform. Row 0 is the top.

@@ -13,7 +13,7 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
 
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0);
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0);
     PathState state = trace_path(scene, seen, pixel, index);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);

@@ -210,6 +210,12 @@ FN MediumPick pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveM
     return pick;
 }
 
+// Transmittance through a majorant, relative to that of the hero channel, whose density it cancels against.
+FN vec3 relative_transmittance(vec3 majorant, float way, uint hero) {
+    vec3 difference = majorant - component(majorant, hero);
+    return is_black(difference) ? vec3(1.0f) : exp(-difference * way);
+}
+
 // What homogeneous media send along a segment, their own attenuation included: ∫ ε exp(−σt s) ds.
 FN vec3 homogeneous_emission(const_in(SceneView) scene, const_in(ActiveMedia) media, float t_max) {
     vec3 emission = vec3(0.0f);
@@ -252,11 +258,10 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
         float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
         if (!(t + step < walk.t_next)) {  // no collision up to the end of the cell
             if (walk.t_next > t && !is_black(walk.majorant)) {
-                vec3 transmittance = exp(-walk.majorant * (walk.t_next - t));
-                float p = component(transmittance, w.hero);
-                w.throughput *= transmittance / p;
-                w.r_path *= transmittance / p;
-                w.r_light *= (media.homogeneous ? vec3(1.0f) : transmittance) / p;
+                vec3 passed = relative_transmittance(walk.majorant, walk.t_next - t, w.hero);
+                w.throughput *= passed;
+                w.r_path *= passed;
+                w.r_light *= media.homogeneous ? vec3(exp(bound * (walk.t_next - t))) : passed;
             }
             t = walk.t_next;
             if (t >= t_max) {
@@ -267,21 +272,20 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
             continue;
         }
         t += step;
-        vec3 transmittance = exp(-walk.majorant * step);
+        vec3 passed = relative_transmittance(walk.majorant, step, w.hero);
         vec3 position = origin + t * direction;
         MediumPoint point = media_at(scene, media, position);
         vec3 extinction = min(point.scattering + point.absorption, walk.majorant);
-        float p_any = component(transmittance, w.hero) * bound;
         if (media.emissive && !media.homogeneous && !is_black(point.emission)) {
-            vec3 r = w.r_path * walk.majorant * transmittance / p_any;
-            event.emitted += w.throughput * exp(-media.absorption * t) * transmittance / p_any * point.emission / average(r);
+            vec3 r = w.r_path * passed * walk.majorant;
+            event.emitted += w.throughput * exp(-media.absorption * t) * passed * point.emission / average(r);
         }
         float p_real = component(extinction, w.hero) / bound;
         if (rng_1d(rng) < p_real) {
-            float p = p_any * p_real;
+            float p = bound * p_real;
             MediumPick pick = pick_scattering_medium(scene, media, position, point.scattering, rng_1d(rng));
-            w.throughput *= transmittance * pick.scattering / p;
-            w.r_path *= transmittance * extinction / p;
+            w.throughput *= passed * pick.scattering / p;
+            w.r_path *= passed * extinction / p;
             event.scattered = true;
             event.t = t;
             event.medium = pick.medium;
@@ -289,15 +293,15 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
             break;
         }
         vec3 null_collision = walk.majorant - extinction;
-        float p = p_any - component(transmittance, w.hero) * component(extinction, w.hero);
+        float p = bound - component(extinction, w.hero);
         if (!(p > 0.0f)) {
             w.throughput = vec3(0.0f);
             event.bound_reached = media.overflow;
             break;
         }
-        w.throughput *= transmittance * null_collision / p;
-        w.r_path *= transmittance * null_collision / p;
-        w.r_light *= transmittance * walk.majorant / p;
+        w.throughput *= passed * null_collision / p;
+        w.r_path *= passed * null_collision / p;
+        w.r_light *= passed * walk.majorant / p;
     }
     if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * event.t);
     return event;
@@ -328,11 +332,10 @@ FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
         float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
         if (!(t + step < walk.t_next)) {
             if (walk.t_next > t && !is_black(walk.majorant)) {
-                vec3 transmittance = exp(-walk.majorant * (walk.t_next - t));
-                float p = component(transmittance, w.hero);
-                w.throughput *= transmittance / p;
-                w.r_path *= transmittance / p;
-                w.r_light *= transmittance / p;
+                vec3 passed = relative_transmittance(walk.majorant, walk.t_next - t, w.hero);
+                w.throughput *= passed;
+                w.r_path *= passed;
+                w.r_light *= passed;
             }
             t = walk.t_next;
             if (t >= t_max) return media.overflow;
@@ -340,13 +343,12 @@ FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
             continue;
         }
         t += step;
-        vec3 transmittance = exp(-walk.majorant * step);
+        vec3 passed = relative_transmittance(walk.majorant, step, w.hero);
         MediumPoint point = media_at(scene, media, origin + t * direction);
         vec3 null_collision = max(walk.majorant - point.scattering - point.absorption, vec3(0.0f));
-        float p = component(transmittance, w.hero) * bound;
-        w.throughput *= transmittance * null_collision / p;
-        w.r_path *= transmittance * null_collision / p;
-        w.r_light *= transmittance * walk.majorant / p;
+        w.throughput *= passed * null_collision / bound;
+        w.r_path *= passed * null_collision / bound;
+        w.r_light *= passed * walk.majorant / bound;
         if (is_black(w.throughput)) return media.overflow;
         // Russian roulette on what is left keeps dense clouds cheap.
         float left = max_component(w.throughput) / average(w.r_path + w.r_light);

@@ -84,23 +84,30 @@ FN Hit path_extend(const_in(SceneView) scene, const_in(PathState) state) { retur
 
 FN void path_end(inout(PathState) state) { state.flags &= ~PATH_ALIVE; }
 
+// Indirect light of one path is limited where the settings say so: a bias that is asked for.
+FN vec3 clamped(const_in(PathSettings) settings, const_in(PathState) state, vec3 radiance) {
+    if (settings.clamp <= 0.0f || state.bounces < 2) return radiance;
+    float most = max_component(radiance);
+    return most > settings.clamp ? radiance * (settings.clamp / most) : radiance;
+}
+
 // Emission found by following the path: `pdf` is the density with which light sampling would have found it.
-FN void gather(inout(PathState) state, vec3 radiance, float pdf) {
+FN void gather(const_in(PathSettings) settings, inout(PathState) state, vec3 radiance, float pdf) {
     if (is_black(radiance)) return;
     vec3 densities = state.weights.r_path;
     if ((state.flags & PATH_SPECULAR) == 0u) densities += state.weights.r_light * pdf;
     float density = average(densities);
-    if (density > 0.0f) state.radiance += state.weights.throughput * radiance / density;
+    if (density > 0.0f) state.radiance += clamped(settings, state, state.weights.throughput * radiance / density);
 }
 
-FN void gather_infinite(const_in(SceneView) scene, inout(PathState) state) {
+FN void gather_infinite(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state) {
     vec3 d = state.ray.direction;
     float p = scene.environment.light == NONE ? 0.0f : scene.light_table.at[scene.environment.light].probability;
-    gather(state, environment_radiance(scene, d), p > 0.0f ? p * environment_pdf(scene, d) : 0.0f);
+    gather(settings, state, environment_radiance(scene, d), p > 0.0f ? p * environment_pdf(scene, d) : 0.0f);
     for (uint i = 0u; i < scene.infinite_light_count; ++i) {
         RECORD(Light) light = scene.lights.at[i];
         if (light.kind == LIGHT_DIRECTIONAL && directional_seen(light, d))
-            gather(state, light.radiance, scene.light_table.at[i].probability / (2.0f * PI * disc_one_minus_cos(light.radius)));
+            gather(settings, state, light.radiance, scene.light_table.at[i].probability / (2.0f * PI * disc_one_minus_cos(light.radius)));
     }
 }
 
@@ -202,7 +209,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         }
     }
     if (!is_hit(hit)) {
-        gather_infinite(scene, state);
+        gather_infinite(scene, settings, state);
         path_end(state);
         return c;
     }
@@ -242,7 +249,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     if (!is_black(emission)) {
         // That the path met the emitter at all had the chance `opacity`; light sampling does not depend on it.
         float pdf = light_pdf(scene, light_index, state.vertex, state.ray.direction, distance(state.vertex, s.position));
-        gather(state, emission, pdf / opacity);
+        gather(settings, state, emission, pdf / opacity);
     }
 
     Frame frame = shading_frame(scene, s, wo);
@@ -347,7 +354,7 @@ FN PathState trace_path(const_in(SceneView) scene, const_in(PathSettings) settin
     for (uint i = 0u; i <= MAX_PATH_SEGMENTS && (state.flags & PATH_ALIVE) != 0u; ++i) {
         Hit hit = path_extend(scene, state);
         Connection c = path_shade(scene, settings, state, hit);
-        if (c.valid) state.radiance += path_connect(scene, state, c);
+        if (c.valid) state.radiance += clamped(settings, state, path_connect(scene, state, c));
     }
     return state;
 }

@@ -39,7 +39,7 @@ Equirect from_image(const ImageEnvironment& image) {
 }
 
 Equirect from_sky(const SkyEnvironment& sky, vec3 to_sun) {
-    Equirect map{1024, 512, std::vector<vec3>(1024 * 512)};
+    Equirect map{512, 256, std::vector<vec3>(512 * 256)};
     parallel_for(std::size_t(map.height), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y)
             for (int x = 0; x < map.width; ++x) {

@@ -144,6 +144,7 @@ void complete_model(Scene& scene) {
     const std::vector<vec3> points = outline_points(scene);
     if (points.empty()) return;
     if (scene.cameras.empty()) fit_camera(scene);
+    scene.integrator.clamp = 10;  // a picture of a model is meant to be clean; a scene file decides for itself
     if (!has_light(scene)) {
         SkyEnvironment sky;
         sky.sun_elevation = 42;

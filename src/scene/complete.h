@@ -9,7 +9,7 @@ namespace spinel {
 // there is nothing bounded.
 void fit_camera(Scene& scene);
 
-// The same, if there is no camera; and sun and sky if there is neither an environment nor a light; and a ground plane
+// The same, if there is no camera; a limit to the sparks of indirect light; and sun and sky if there is neither an environment nor a light; and a ground plane
 // under the objects.
 void complete_model(Scene& scene);
 

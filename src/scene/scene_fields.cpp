@@ -70,6 +70,9 @@ const Record& integrator_record() {
             field("type", &IntegratorSettings::name,
                   "Name of the integrator, as `spinel list integrators` prints it."),
             field("spp", &IntegratorSettings::spp, "Samples per pixel.", {1, 1 << 30}),
+            field("clamp", &IntegratorSettings::clamp,
+                  "Most radiance that one path may add by indirect light: takes sparks away and caustics with them; 0: no "
+                  "limit, unbiased.", non_negative),
             field("max_bounces", &IntegratorSettings::max_bounces,
                   "Scattering events of a path; 0: only light that is seen directly; −1: Russian roulette "
                   "alone ends it.",

@@ -29,7 +29,7 @@ TEST(VoxelBuilder, bad_grids_are_refused) {
     EXPECT_EQ(error_of({2, -1, 1}, 0), "voxel grid has size 2×-1×1; every edge must be at least 1");
     EXPECT_EQ(error_of({2, 2, 2}, 7), "voxel grid of size 2×2×2 has 7 cells instead of 8");
     EXPECT_EQ(error_of({2048, 2048, 1024}, 1),
-              "voxel grid of size 2048×2048×1024 is too large: at most 4294967292 cells");
+              "voxel grid of size 2048×2048×1024 is too large: at most 715827882 cells");
     EXPECT_NE(error_of(ivec3(0x7fffffff), 1), "");
 }
 

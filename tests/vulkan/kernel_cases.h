@@ -53,7 +53,7 @@ FN CaseResult random_case(uint i) {
 }
 
 FN CaseResult warp_case(uint i) {
-    Rng r = Rng(hash_uint(i));
+    Rng r = Rng(hash_uint(i), 0u);
     vec2 u = draw_2d(r);
     vec3 cosine = square_to_cosine_hemisphere(u);
     vec3 cone = square_to_cone(u, 0.25f);
@@ -64,7 +64,7 @@ FN CaseResult warp_case(uint i) {
 }
 
 FN CaseResult box_case(uint i) {
-    Rng r = Rng(hash_uint(i));
+    Rng r = Rng(hash_uint(i), 0u);
     vec3 origin = draw_vector(r, -3.0f, 3.0f);
     vec3 target = draw_vector(r, -1.5f, 1.5f);
     Ray ray = Ray(origin, 0.0f, target - origin, INFINITE);
@@ -78,7 +78,7 @@ FN CaseResult box_case(uint i) {
 }
 
 FN CaseResult triangle_case(uint i) {
-    Rng r = Rng(hash_uint(i));
+    Rng r = Rng(hash_uint(i), 0u);
     // Neither slivers nor grazing rays: there the two compilers' roundings are amplified, and only the tests
     // of watertightness have something to say.
     Triangle triangle;
@@ -101,7 +101,7 @@ FN CaseResult triangle_case(uint i) {
 }
 
 FN CaseResult sphere_case(uint i) {
-    Rng r = Rng(hash_uint(i));
+    Rng r = Rng(hash_uint(i), 0u);
     vec3 origin = draw_vector(r, -3.0f, 3.0f);
     vec3 target = draw_vector(r, -1.0f, 1.0f);
     Ray ray = Ray(origin, 0.0f, target - origin, INFINITE);
@@ -112,7 +112,7 @@ FN CaseResult sphere_case(uint i) {
 }
 
 FN CaseResult microfacet_case(uint i) {
-    Rng r = Rng(hash_uint(i));
+    Rng r = Rng(hash_uint(i), 0u);
     float alpha = ggx_alpha(draw(r, 0.2f, 1.0f));
     float ior = draw(r, 1.1f, 2.5f);
     vec3 wo = square_to_cosine_hemisphere(draw_2d(r));
@@ -126,7 +126,7 @@ FN CaseResult microfacet_case(uint i) {
 
 // Rough matte surfaces, and a phase function.
 FN CaseResult scatter_case(uint i) {
-    Rng r = Rng(hash_uint(i));
+    Rng r = Rng(hash_uint(i), 0u);
     vec3 color = draw_vector(r, 0.1f, 0.9f);
     Bsdf b;
     b.color = color;
