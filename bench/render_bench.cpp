@@ -47,4 +47,3 @@ BENCHMARK_CAPTURE(paths, demo, "examples/demo.json")->Apply(threads);
 }  // namespace
 }  // namespace spinel
 
-BENCHMARK_MAIN();

@@ -123,7 +123,7 @@ def scene():
         "version": 1,
         "camera": {"from": v(0.3, 2.3, 9.6), "at": v(0.05, 1.38, 0.0), "fov": 29, "lens_radius": 0.03, "focus_distance": 8.4},
         "film": {"size": v(1280, 720), "exposure": 0.1, "tone_map": "agx"},
-        "integrator": {"type": "path", "spp": 32, "clamp": 6},
+        "integrator": {"type": "path", "spp": 28, "clamp": 6},
         "environment": {"type": "sky", "sun_elevation": 33, "sun_azimuth": -48, "haze": 1, "sun_angular_radius": 1.5},
         "textures": {
             "tiles": {"type": "checker", "color_a": v(0.42, 0.37, 0.31), "color_b": v(0.20, 0.19, 0.19), "scale": v(1.25, 1.25)},

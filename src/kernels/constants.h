@@ -16,7 +16,11 @@ FN float average(vec3 v) { return (v.x + v.y + v.z) * (1.0f / 3.0f); }
 FN bool is_black(vec3 v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
 FN float sqr(float x) { return x * x; }
 // Unit vector of a nonzero one whose square may leave a float's range.
-FN vec3 normalize_any(vec3 v) { return normalize(v / max(max(abs(v.x), max(abs(v.y), abs(v.z))), 1.0e-37f)); }
+FN vec3 normalize_any(vec3 v) {
+    float square = dot(v, v);
+    if (square > 1.0e-30f && square < 1.0e30f) return v * inversesqrt(square);
+    return normalize(v / max(max(abs(v.x), max(abs(v.y), abs(v.z))), 1.0e-37f));
+}
 FN float safe_sqrt(float x) { return sqrt(max(x, 0.0f)); }
 // Component by index; GLSL and C++ both index vectors, but a constant path is kinder to registers.
 FN float component(vec3 v, uint i) { return i == 0u ? v.x : (i == 1u ? v.y : v.z); }

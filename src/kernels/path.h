@@ -51,7 +51,7 @@ struct Connection {
     vec3 r_path;    // relative densities, see medium.h
     vec3 r_light;
     Inside inside;
-    Rng rng;        // its own, so that shadow rays and paths do not wait for each other
+    uint salt;      // of its own random numbers, so that shadow rays and paths do not wait for each other
 };
 
 FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
@@ -112,7 +112,7 @@ FN void gather_infinite(const_in(SceneView) scene, const_in(PathSettings) settin
 }
 
 FN Connection no_connection(const_in(PathState) state) {
-    return Connection(false, state.ray, vec3(0.0f), vec3(0.0f), vec3(0.0f), state.inside, state.rng);
+    return Connection(false, state.ray, vec3(0.0f), vec3(0.0f), vec3(0.0f), state.inside, 0u);
 }
 
 // Asks for a shadow ray; scatter is f·|cos| or the phase function, pdf the density of its own sampling of that direction.
@@ -128,7 +128,7 @@ FN Connection connection_to(const_in(PathState) state, const_in(LightSample) lig
         c.ray = Ray(origin, 0.0f, end - origin, 1.0f);
         if (is_black(c.ray.direction)) c.valid = false;
     }
-    c.rng = make_rng(state.numbers, 1u + state.segments);
+    c.salt = 1u + state.segments;
     c.value = state.weights.throughput * scatter * light.radiance;
     c.r_light = state.weights.r_path * light.pdf;
     c.r_path = light.delta ? vec3(0.0f) : state.weights.r_path * (pdf * light.opacity);
@@ -309,6 +309,7 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
     SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), state.weights.hero);
     if (c.inside.count > 0u || scene.pass_through_count > 0u) {
         Ray ray = c.ray;
+        Rng rng = make_rng(state.numbers, c.salt);
         float stretch = length(ray.direction);
         vec3 direction = ray.direction / stretch;
         bool arrived = false;
@@ -317,7 +318,7 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
             if (scene.pass_through_count > 0u) hit = trace_closest(scene, ray, TRACE_PASS_THROUGH);
             if (c.inside.count > 0u) {
                 float way = hit.t == INFINITE ? INFINITE : hit.t * stretch;
-                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, w, c.rng)) state.flags |= PATH_BOUND_REACHED;
+                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, w, rng)) state.flags |= PATH_BOUND_REACHED;
             }
             if (is_black(w.throughput)) return vec3(0.0f);
             if (!is_hit(hit)) {

@@ -57,6 +57,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     vec3 local_direction = instance.world_to_object * vec4(ray.direction, 0.0f);
     vec3 outward = hit.normal;
     vec3 shading = outward;
+    bool smooth_normal = false;
     vec3 tangent = vec3(0.0f);
     uint slot = instance.slot_first;
     float extent = 0.0f;  // magnitude of the local coordinates that the position was computed from
@@ -73,7 +74,10 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         RECORD(VertexAttributes) b = scene.attributes.at[mesh.vertex_first + info.vertices.y];
         RECORD(VertexAttributes) c = scene.attributes.at[mesh.vertex_first + info.vertices.z];
         vec3 n = w * a.normal + hit.uv.x * b.normal + hit.uv.y * c.normal;
-        if (dot(n, n) > 1.0e-12f) shading = n;
+        if (dot(n, n) > 1.0e-12f) {
+            shading = n;
+            smooth_normal = true;
+        }
         s.uv = w * a.uv + hit.uv.x * b.uv + hit.uv.y * c.uv;
         vec4 tangent4 = w * a.tangent + hit.uv.x * b.tangent + hit.uv.y * c.tangent;
         tangent = vec3(tangent4.x, tangent4.y, tangent4.z);
@@ -98,7 +102,6 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
             owner = other;
             other = exchanged;
             outward = -outward;
-            shading = outward;
             s.light_key = voxel_linear(grid.size, neighbour) * 6u + (hit.face ^ 1u);
         }
         slot += owner - 1u;
@@ -135,7 +138,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
 
     s.entering = dot(local_direction, outward) < 0.0f;
     s.geometric_normal = normalize_any(rotate_normal(instance, normalize_any(outward)));
-    s.normal = normalize_any(rotate_normal(instance, normalize_any(shading)));
+    s.normal = smooth_normal ? normalize_any(rotate_normal(instance, normalize_any(shading))) : s.geometric_normal;
     if (dot(s.normal, s.geometric_normal) < 0.0f) s.normal = -s.normal;
     vec3 world_tangent = linear * tangent;
     s.tangent = dot(world_tangent, world_tangent) > 1.0e-20f ? normalize(world_tangent) : vec3(0.0f);
