@@ -18,7 +18,9 @@ build/%/build.ninja: CMakePresets.json | install-deps
 build: install-deps build/release/build.ninja
 	@cmake --build --preset release -j $(JOBS)
 
-demo: build
+# The program alone: the tests of a full build are not waited for.
+demo: install-deps build/release/build.ninja
+	@cmake --build --preset release -j $(JOBS) --target spinel_cli
 	@mkdir -p out
 	$(PROGRAM) render examples/demo.json -o out/demo.png
 

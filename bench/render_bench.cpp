@@ -1,5 +1,5 @@
-// Paths per second from end to end, on one thread and on all: the Cornell box (surfaces, a caustic), a cloud (null collisions,
-// multiple scattering) and the demo (everything). Compile time of the scene is not in it. Repeat with
+// Paths per second from end to end, on one thread and on all: the Cornell box (surfaces, a caustic), a cloud (null
+// collisions, multiple scattering) and the demo (everything). Compile time of the scene is not in it. Repeat with
 // --benchmark_repetitions=5 and read the medians.
 
 #include <benchmark/benchmark.h>
@@ -46,4 +46,3 @@ BENCHMARK_CAPTURE(paths, demo, "examples/demo.json")->Apply(threads);
 
 }  // namespace
 }  // namespace spinel
-

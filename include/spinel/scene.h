@@ -57,18 +57,18 @@ struct Texture {
 };
 
 // The kernel's own record; texture members are indices into Scene::textures, `interior` into Scene::media.
-// default_material(kind) in scene/registry.h fills in the defaults of a kind.
+// default_material(kind) in scene/material_registry.h fills in the defaults of a kind (kernels/materials.h).
 struct Material {
     std::string name;
     kernels::Material values;
 };
 
-// ---------------------------------------------------------------------------------------------------------------- media
-// A scalar field on a regular grid; sample (i,j,k) sits at (i+½, j+½, k+½) of index space, x fastest.
+// ----------------------------------------------------------------------------------------------------------------
+// media A scalar field on a regular grid; sample (i,j,k) sits at (i+½, j+½, k+½) of index space, x fastest.
 struct Grid {
     std::string name;
     ivec3 size = {0, 0, 0};
-    std::vector<float> values;         // size.x·size.y·size.z, finite, ≥ 0
+    std::vector<float> values;          // size.x·size.y·size.z, finite, ≥ 0
     mat4x3 index_to_local = mat4x3(1);  // index space to the space of the object that holds it
     Filter filter = Filter::linear;
 };
@@ -93,7 +93,8 @@ struct Medium {
     Erosion erosion;
 };
 
-// ----------------------------------------------------------------------------------------------------------- geometries
+// -----------------------------------------------------------------------------------------------------------
+// geometries
 struct MeshGeometry {
     std::vector<vec3> positions;
     std::vector<uvec3> triangles;
@@ -118,8 +119,8 @@ struct VolumeGeometry {
 
 // Expression tree of a signed distance bound, negative inside. What each operation takes: geometry/sdf.
 struct SdfNode {
-    std::string op;                    // "sphere", "union", "translate", …
-    std::vector<float> numbers;        // the operation's parameters, in the order of its table
+    std::string op;              // "sphere", "union", "translate", …
+    std::vector<float> numbers;  // the operation's parameters, in the order of its table
     std::vector<SdfNode> children;
 };
 struct SdfGeometry {
@@ -145,13 +146,14 @@ struct Geometry {
         data;
 };
 
-// ------------------------------------------------------------------------------------------------------ objects, lights
+// ------------------------------------------------------------------------------------------------------ objects,
+// lights
 struct Object {
     std::string name;
     int geometry = -1;
     mat4x3 transform = mat4x3(1);  // object to world, affine, not singular
-    std::vector<int> materials;    // one for each slot; a single one serves all; −1: an interface that does not scatter
-    int interior = -1;             // medium inside (closed geometries); overrides the material's own
+    std::vector<int> materials;  // one for each slot; a single one serves all; −1: an interface that does not scatter
+    int interior = -1;           // medium inside (closed geometries); overrides the material's own
 };
 
 struct PointLight {
@@ -166,9 +168,9 @@ struct SpotLight {
     float outer_angle = 30;      // half-angle beyond which there is none
 };
 struct DirectionalLight {
-    vec3 direction = {0, -1, 0};   // that the light travels in
-    vec3 irradiance = {1, 1, 1};   // W/m² on a surface that faces it
-    float angular_radius = 0;      // of the disc it comes from; the sun's is 0.265
+    vec3 direction = {0, -1, 0};  // that the light travels in
+    vec3 irradiance = {1, 1, 1};  // W/m² on a surface that faces it
+    float angular_radius = 0;     // of the disc it comes from; the sun's is 0.265
 };
 struct Light {
     std::string name;
@@ -187,16 +189,17 @@ struct ImageEnvironment {
 };
 // Clear sky with its sun: single scattering in air, haze and ozone, after Nishita et al. 1993 (kernels/sky.h).
 struct SkyEnvironment {
-    float sun_elevation = 40;          // above the horizon
-    float sun_azimuth = 135;           // from +z (south of a viewer who looks along −z) towards +x
+    float sun_elevation = 40;  // above the horizon
+    float sun_azimuth = 135;   // from +z (south of a viewer who looks along −z) towards +x
     float sun_angular_radius = 0.265f;
-    float haze = 1;                    // 1: clear air; more: hazier
-    float scale = 1;                   // of sky and sun together
-    bool sun = true;                   // false: the sky alone
+    float haze = 1;   // 1: clear air; more: hazier
+    float scale = 1;  // of sky and sun together
+    bool sun = true;  // false: the sky alone
 };
 using EnvironmentData = std::variant<std::monostate, ConstantEnvironment, ImageEnvironment, SkyEnvironment>;
 
-// ------------------------------------------------------------------------------------------------------- camera and film
+// ------------------------------------------------------------------------------------------------------- camera and
+// film
 struct Camera {
     std::string name;
     enum class Kind { perspective, orthographic };
@@ -204,18 +207,18 @@ struct Camera {
     vec3 from = {0, 0, 5};
     vec3 at = {0, 0, 0};
     vec3 up = {0, 1, 0};
-    float fov = 45;             // vertical, full angle (perspective)
-    float height = 2;           // of the picture in world units (orthographic)
-    float lens_radius = 0;      // world units; 0: everything is sharp
-    float focus_distance = 0;   // 0: the distance to `at`
-    bool mirrored = false;      // flips left and right, for scenes made for left-handed systems
+    float fov = 45;            // vertical, full angle (perspective)
+    float height = 2;          // of the picture in world units (orthographic)
+    float lens_radius = 0;     // world units; 0: everything is sharp
+    float focus_distance = 0;  // 0: the distance to `at`
+    bool mirrored = false;     // flips left and right, for scenes made for left-handed systems
 };
 
 enum class PixelFilter { box, tent, gaussian, blackman_harris };
 
 struct Film {
     ivec2 size = {1280, 720};
-    float exposure = 0;          // stops
+    float exposure = 0;  // stops
     ToneMap tone_map = ToneMap::agx;
     PixelFilter filter = PixelFilter::blackman_harris;
     float filter_radius = 1.5f;  // pixels; a box of radius 0.5 is the pixel itself
@@ -224,9 +227,10 @@ struct Film {
 // What the path tracer should do; the command line overrides it.
 struct IntegratorSettings {
     std::string name = "path";
-    int spp = 64;         // samples per pixel
-    float clamp = 0;       // most that one path may add by indirect light, against sparks; 0: none, unbiased
-    int max_bounces = -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
+    int spp = 64;     // samples per pixel
+    float clamp = 0;  // most that one path may add by indirect light, against sparks; 0: none, unbiased
+    int max_bounces =
+        -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
 };
 
 // A scene file that is a test carries what it must give: the mean over the picture.

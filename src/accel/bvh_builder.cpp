@@ -58,8 +58,7 @@ int ceil_log2(std::size_t n) { return n <= 1 ? 0 : std::bit_width(n - 1); }
 
 class Builder {
   public:
-    Builder(std::vector<Primitive>& primitives, const BvhOptions& options,
-            std::vector<kernels::BvhNode>& nodes)
+    Builder(std::vector<Primitive>& primitives, const BvhOptions& options, std::vector<kernels::BvhNode>& nodes)
         : primitives_(primitives), options_(options), nodes_(nodes) {}
 
     // Fills nodes_[node] and its subtree over primitives [begin, end). The subtree's other nodes go to [pool,
@@ -102,8 +101,7 @@ class Builder {
 
   private:
     // Reorders [begin, end) and returns where the right child begins; `begin`: make a leaf.
-    std::size_t partition(const Bounds& bounds, const Bounds& centers, std::size_t begin, std::size_t end,
-                          int depth) {
+    std::size_t partition(const Bounds& bounds, const Bounds& centers, std::size_t begin, std::size_t end, int depth) {
         const std::size_t count = end - begin;
         if (count <= 1) return begin;
         // As many levels as halving needs are kept in reserve, which bounds the depth whatever the input.
@@ -143,8 +141,7 @@ class Builder {
             const Bounds& b = primitives_[i].bounds;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 Bin& bin =
-                    bins[axis]
-                        [static_cast<std::size_t>(bin_of(b.center(axis), centers.lower[axis], scale[axis]))];
+                    bins[axis][static_cast<std::size_t>(bin_of(b.center(axis), centers.lower[axis], scale[axis]))];
                 bin.bounds.extend(b);
                 ++bin.count;
             }
@@ -169,11 +166,9 @@ class Builder {
                 left.extend(bins[axis][i - 1].bounds);
                 left_count += bins[axis][i - 1].count;
                 if (left_count == 0 || left_count == total) continue;
-                const float cost =
-                    options_.traversal_cost +
-                    (left.half_area() * static_cast<float>(left_count) + right_cost[i]) * inverse_area;
-                if (cost < best.cost)
-                    best = {static_cast<int>(axis), static_cast<int>(i), cost};  // NaN never wins
+                const float cost = options_.traversal_cost +
+                                   (left.half_area() * static_cast<float>(left_count) + right_cost[i]) * inverse_area;
+                if (cost < best.cost) best = {static_cast<int>(axis), static_cast<int>(i), cost};  // NaN never wins
             }
         }
         return best;
@@ -246,12 +241,11 @@ Bvh build_bvh(std::span<const Box> boxes, const BvhOptions& options) {
         const glm::vec3 lower = boxes[i].lower, upper = boxes[i].upper;
         bool usable = true;
         for (int axis = 0; axis < 3; ++axis) {
-            usable = usable && std::isfinite(lower[axis]) && std::isfinite(upper[axis]) &&
-                     lower[axis] <= upper[axis];
+            usable = usable && std::isfinite(lower[axis]) && std::isfinite(upper[axis]) && lower[axis] <= upper[axis];
         }
         if (!usable) continue;
-        primitives.push_back({{{lower.x, lower.y, lower.z, 0}, {upper.x, upper.y, upper.z, 0}},
-                              static_cast<std::uint32_t>(i)});
+        primitives.push_back(
+            {{{lower.x, lower.y, lower.z, 0}, {upper.x, upper.y, upper.z, 0}}, static_cast<std::uint32_t>(i)});
     }
     Bvh bvh;
     if (primitives.empty()) return bvh;

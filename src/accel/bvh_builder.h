@@ -22,8 +22,7 @@ struct BvhOptions {
 };
 
 struct BvhStatistics {
-    double sah_cost =
-        0;  // expected primitive tests (interior nodes weighted) of a ray that meets the root's box
+    double sah_cost = 0;      // expected primitive tests (interior nodes weighted) of a ray that meets the root's box
     std::uint32_t depth = 0;  // edges from the root to the deepest leaf, at most kernels::BVH_MAX_DEPTH
     std::uint32_t leaf_count = 0;
 };

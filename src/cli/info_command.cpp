@@ -1,5 +1,5 @@
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -28,7 +28,8 @@ struct Describe {
                 {"uvs", !mesh.uvs.empty()}};
     }
     Json operator()(const VoxelGeometry& voxels) const {
-        const auto occupied = std::count_if(voxels.cells.begin(), voxels.cells.end(), [](std::uint8_t c) { return c != 0; });
+        const auto occupied =
+            std::count_if(voxels.cells.begin(), voxels.cells.end(), [](std::uint8_t c) { return c != 0; });
         return {{"size", {voxels.size.x, voxels.size.y, voxels.size.z}}, {"voxels", occupied}};
     }
     Json operator()(const VolumeGeometry& volume) const {
@@ -69,7 +70,8 @@ Json describe(const Scene& scene) {
     json["objects"] = scene.objects.size();
     json["materials"] = Json::array();
     for (const Material& material : scene.materials)
-        json["materials"].push_back({{"name", material.name}, {"type", std::string(material_infos()[material.values.kind].name)}});
+        json["materials"].push_back(
+            {{"name", material.name}, {"type", std::string(material_infos()[material.values.kind].name)}});
     json["textures"] = Json::array();
     for (const Texture& texture : scene.textures) {
         Json entry = {{"name", texture.name}};
@@ -91,8 +93,8 @@ void print(const std::string& file, const Json& json) {
     if (json.contains("bounds")) {
         const auto& l = json["bounds"]["lower"];
         const auto& u = json["bounds"]["upper"];
-        fmt::print("  bounds      ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", l[0].get<double>(), l[1].get<double>(),
-                   l[2].get<double>(), u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
+        fmt::print("  bounds      ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", l[0].get<double>(),
+                   l[1].get<double>(), l[2].get<double>(), u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
     }
     fmt::print("  objects     {}\n", json["objects"].get<std::size_t>());
     const auto section = [&](const char* title, const char* key) {
@@ -107,7 +109,9 @@ void print(const std::string& file, const Json& json) {
             std::string line = entry.is_string() ? entry.get<std::string>() : entry["name"].get<std::string>();
             if (entry.is_object())
                 for (const auto& [name, value] : entry.items())
-                    if (name != "name") line += fmt::format("  {}{}", name == "type" ? "" : name + " ", value.is_string() ? value.get<std::string>() : value.dump());
+                    if (name != "name")
+                        line += fmt::format("  {}{}", name == "type" ? "" : name + " ",
+                                            value.is_string() ? value.get<std::string>() : value.dump());
             fmt::print("    {}\n", line);
         }
     };

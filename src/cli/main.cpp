@@ -1,9 +1,9 @@
 // spinel: the command line. Messages go to stderr, results to stdout.
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <fmt/format.h>
 #include <new>
 #include <optional>
 
@@ -90,8 +90,6 @@ int main(int argc, char** argv) {
         return spinel::cli::run(argc, argv);
     } catch (const std::bad_alloc&) {
         fmt::print(stderr, "spinel: out of memory\n");
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "spinel: internal error: {}\n", error.what());
-    }
+    } catch (const std::exception& error) { fmt::print(stderr, "spinel: internal error: {}\n", error.what()); }
     return spinel::cli::exit_bad_input;
 }

@@ -1,12 +1,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -53,9 +53,7 @@ Result<double> parse_duration(const std::string& text) {
     double value = 0;
     try {
         value = std::stod(text, &used);
-    } catch (const std::exception&) {
-        used = 0;
-    }
+    } catch (const std::exception&) { used = 0; }
     const std::string unit = text.substr(used);
     const double scale = unit == "m" ? 60 : unit == "h" ? 3600 : unit.empty() || unit == "s" ? 1 : 0;
     if (used == 0 || scale == 0 || !(value > 0) || !std::isfinite(value))
@@ -66,8 +64,8 @@ Result<double> parse_duration(const std::string& text) {
 Result<ivec2> parse_size(const std::string& text) {
     if (text.empty()) return ivec2(0);
     int x = 0, y = 0, used = 0;
-    if (std::sscanf(text.c_str(), "%dx%d%n", &x, &y, &used) != 2 || std::size_t(used) != text.size() || x < 1 || y < 1 ||
-        x > 65536 || y > 65536)
+    if (std::sscanf(text.c_str(), "%dx%d%n", &x, &y, &used) != 2 || std::size_t(used) != text.size() || x < 1 ||
+        y < 1 || x > 65536 || y > 65536)
         return Error{fmt::format("--size '{}': expected WIDTHxHEIGHT, each from 1 to 65536", text)};
     return ivec2(x, y);
 }
@@ -77,8 +75,10 @@ Result<Crop> parse_crop(const std::string& text) {
     Crop c;
     int used = 0;
     if (std::sscanf(text.c_str(), "%d,%d,%d,%d%n", &c.lower.x, &c.lower.y, &c.upper.x, &c.upper.y, &used) != 4 ||
-        std::size_t(used) != text.size() || c.lower.x < 0 || c.lower.y < 0 || c.upper.x <= c.lower.x || c.upper.y <= c.lower.y)
-        return Error{fmt::format("--crop '{}': expected LEFT,TOP,RIGHT,BOTTOM in pixels from the top left, not empty", text)};
+        std::size_t(used) != text.size() || c.lower.x < 0 || c.lower.y < 0 || c.upper.x <= c.lower.x ||
+        c.upper.y <= c.lower.y)
+        return Error{
+            fmt::format("--crop '{}': expected LEFT,TOP,RIGHT,BOTTOM in pixels from the top left, not empty", text)};
     return c;
 }
 
@@ -106,7 +106,8 @@ Result<void> check_outputs(const Options& o) {
         const auto [other, is_new] = taken.emplace(output.lexically_normal(), &input);
         if (is_new) continue;
         if (output == fs::path(o.output))
-            return Error{fmt::format("-o '{}': {} inputs need a folder, or a name with {{name}} in it", o.output, o.inputs.size())};
+            return Error{fmt::format("-o '{}': {} inputs need a folder, or a name with {{name}} in it", o.output,
+                                     o.inputs.size())};
         return Error{fmt::format("'{}' and '{}' would both become '{}'", *other->second, input, output.string())};
     }
     return {};
@@ -116,11 +117,15 @@ Result<void> check_outputs(const Options& o) {
 Result<void> prepare_folder(const fs::path& output) {
     const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
     std::error_code error;
-    if (fs::is_directory(output, error)) return Error{fmt::format("cannot write '{}': that is a folder", output.string())};
+    if (fs::is_directory(output, error))
+        return Error{fmt::format("cannot write '{}': that is a folder", output.string())};
     fs::create_directories(folder, error);
-    if (error) return Error{fmt::format("cannot write '{}': no folder '{}': {}", output.string(), folder.string(), error.message())};
+    if (error)
+        return Error{
+            fmt::format("cannot write '{}': no folder '{}': {}", output.string(), folder.string(), error.message())};
     if (access(folder.c_str(), W_OK | X_OK) != 0)
-        return Error{fmt::format("cannot write '{}': folder '{}': {}", output.string(), folder.string(), std::strerror(errno))};
+        return Error{
+            fmt::format("cannot write '{}': folder '{}': {}", output.string(), folder.string(), std::strerror(errno))};
     return {};
 }
 
@@ -154,7 +159,9 @@ Result<void> save(const fs::path& path, const FilmBuffer& film, const Options& o
     if (!exr) {
         const Result<ToneMap> tone_map = parse_tone_map(o.tone_map, settings.tone_map);
         if (!tone_map) return tone_map.error();
-        if (Result<void> written = write_image(path, {{{"R", "G", "B"}, tone_mapped(radiance, *tone_map, exposure)}}, metadata); !written)
+        if (Result<void> written =
+                write_image(path, {{{"R", "G", "B"}, tone_mapped(radiance, *tone_map, exposure)}}, metadata);
+            !written)
             return written;
         if (aovs.empty()) return {};
         // A PNG has no room for planes of data: they go beside it.
@@ -170,7 +177,8 @@ Result<void> save(const fs::path& path, const FilmBuffer& film, const Options& o
 // Whether the picture's mean is what the scene file says it must be.
 bool as_expected(const Expected& expected, vec3 mean) {
     for (int k = 0; k < 3; ++k)
-        if (!(std::abs(mean[k] - expected.mean[k]) <= expected.tolerance * std::max(std::abs(expected.mean[k]), 1e-6f))) return false;
+        if (!(std::abs(mean[k] - expected.mean[k]) <= expected.tolerance * std::max(std::abs(expected.mean[k]), 1e-6f)))
+            return false;
     return true;
 }
 
@@ -186,7 +194,8 @@ struct Run {
             return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output.string())};
         const Result<Scene> scene = load_scene(input, size);
         if (!scene) return scene.error();
-        if (o.check && !scene->expected) return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
+        if (o.check && !scene->expected)
+            return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
         const Result<CompiledScene> compiled = compile(*scene, {.camera = o.camera, .size = size});
         if (!compiled) return Error{fmt::format("{}: {}", input.string(), compiled.error().message)};
         const Result<std::unique_ptr<Device>> device = make_device(o.device);
@@ -195,12 +204,14 @@ struct Run {
         const double cpu_before = user_cpu_seconds();
         Result<RenderResult> result = [&] {
             ProgressLine line(input.filename().string(), common.quiet);
-            return spinel::render(**device, *compiled, render, interrupted, [&](const RenderProgress& p) { line.show(p); });
+            return spinel::render(**device, *compiled, render, interrupted,
+                                  [&](const RenderProgress& p) { line.show(p); });
         }();
         if (!result) return result.error();
         const double cpu = user_cpu_seconds() - cpu_before;
         const FilmBuffer& film = result->film;
-        if (film.sample_count() == 0) return Error{fmt::format("{}: interrupted before the first sample; nothing is saved", input.string())};
+        if (film.sample_count() == 0)
+            return Error{fmt::format("{}: interrupted before the first sample; nothing is saved", input.string())};
         const double spp = double(film.sample_count()) / double(film.pixels.size());
         const std::string integrator = render.integrator.empty() ? scene->integrator.name : render.integrator;
         const ImageMetadata metadata = {
@@ -210,13 +221,15 @@ struct Run {
             {"spinel.device", o.device},
             {"spinel.spp", fmt::format("{:.6g}", spp)},
             {"spinel.seed", fmt::format("{}", o.seed)},
-            {"spinel.max_bounces", fmt::format("{}", render.max_bounces == -2 ? scene->integrator.max_bounces : render.max_bounces)},
+            {"spinel.max_bounces",
+             fmt::format("{}", render.max_bounces == -2 ? scene->integrator.max_bounces : render.max_bounces)},
             {"spinel.clamp", fmt::format("{:.6g}", render.clamp < 0 ? double(scene->integrator.clamp) : render.clamp)},
             {"spinel.seconds", fmt::format("{:.3f}", result->seconds)},
             {"spinel.stopped_by", reason_text(result->reason)},
             {"spinel.relative_error", fmt::format("{:.6g}", film.relative_error())},
             {"spinel.film", fmt::format("{}x{}", film.size.x, film.size.y)},
-            {"spinel.crop", fmt::format("{},{},{},{}", film.crop.lower.x, film.crop.lower.y, film.crop.upper.x, film.crop.upper.y)},
+            {"spinel.crop",
+             fmt::format("{},{},{},{}", film.crop.lower.x, film.crop.lower.y, film.crop.upper.x, film.crop.upper.y)},
         };
         if (Result<void> saved = save(output, film, o, scene->film, metadata); !saved) return saved.error();
 
@@ -230,30 +243,33 @@ struct Run {
             fmt::print(stderr, "spinel: warning: {} of {} paths were not finite and count as black\n", film.not_finite,
                        film.sample_count());
         if (common.json) {
-            const nlohmann::ordered_json json = {{"input", input.string()},
-                                                 {"output", output.string()},
-                                                 {"width", film.crop.size().x},
-                                                 {"height", film.crop.size().y},
-                                                 {"spp", spp},
-                                                 {"seconds", result->seconds},
-                                                 {"cpu_seconds", cpu},
-                                                 {"paths_per_second", double(film.sample_count()) / std::max(result->seconds, 1e-9)},
-                                                 {"mean", {mean.x, mean.y, mean.z}},
-                                                 {"relative_error", film.relative_error()},
-                                                 {"paths_cut", film.bound_reached},
-                                                 {"stopped_by", reason_text(result->reason)}};
+            const nlohmann::ordered_json json = {
+                {"input", input.string()},
+                {"output", output.string()},
+                {"width", film.crop.size().x},
+                {"height", film.crop.size().y},
+                {"spp", spp},
+                {"seconds", result->seconds},
+                {"cpu_seconds", cpu},
+                {"paths_per_second", double(film.sample_count()) / std::max(result->seconds, 1e-9)},
+                {"mean", {mean.x, mean.y, mean.z}},
+                {"relative_error", film.relative_error()},
+                {"paths_cut", film.bound_reached},
+                {"stopped_by", reason_text(result->reason)}};
             fmt::print("{}\n", json_text(json, -1));
         } else if (!common.quiet) {
-            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s), noise {:.2g}{}\n", output.string(), film.crop.size().x,
-                       film.crop.size().y, spp, duration_text(result->seconds),
+            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s), noise {:.2g}{}\n", output.string(),
+                       film.crop.size().x, film.crop.size().y, spp, duration_text(result->seconds),
                        1e-6 * double(film.sample_count()) / std::max(result->seconds, 1e-9), film.relative_error(),
                        result->reason == StopReason::interrupted ? ", interrupted" : "");
         }
         if (o.check) {
             if (!as_expected(*scene->expected, vec3(mean))) {
                 const vec3 e = scene->expected->mean;
-                fmt::print(stderr, "spinel: {}: mean ({:.6g}, {:.6g}, {:.6g}), expected ({:.6g}, {:.6g}, {:.6g}) within {:.3g} %\n",
-                           input.string(), mean.x, mean.y, mean.z, e.x, e.y, e.z, 100 * double(scene->expected->tolerance));
+                fmt::print(
+                    stderr,
+                    "spinel: {}: mean ({:.6g}, {:.6g}, {:.6g}), expected ({:.6g}, {:.6g}, {:.6g}) within {:.3g} %\n",
+                    input.string(), mean.x, mean.y, mean.z, e.x, e.y, e.z, 100 * double(scene->expected->tolerance));
                 return int(exit_comparison_failed);
             }
         }
@@ -274,9 +290,11 @@ int run(const Options& o, const CommonOptions& common) {
     }
     if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error()), int(exit_usage);
     // What would only be noticed after the rendering is checked before it.
-    if (const auto tone_map = parse_tone_map(o.tone_map, ToneMap::agx); !tone_map) return fail(tone_map.error()), int(exit_usage);
+    if (const auto tone_map = parse_tone_map(o.tone_map, ToneMap::agx); !tone_map)
+        return fail(tone_map.error()), int(exit_usage);
     for (const std::string& name : o.aovs)
-        if (const auto plane = aov_plane(FilmBuffer({1, 1}, {{0, 0}, {1, 1}}), name); !plane) return fail(plane.error()), int(exit_usage);
+        if (const auto plane = aov_plane(FilmBuffer({1, 1}, {{0, 0}, {1, 1}}), name); !plane)
+            return fail(plane.error()), int(exit_usage);
     options.spp = o.spp;
     options.noise = o.noise;
     options.max_bounces = o.max_bounces;
@@ -304,20 +322,34 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     auto o = std::make_shared<Options>();
     // NaN passes every range check of CLI11.
     const CLI::Validator finite(
-        [](const std::string& text) { return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a finite number"; }, "");
+        [](const std::string& text) {
+            return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a finite number";
+        },
+        "");
     app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`")->required();
-    app.add_option("-o,--output", o->output, "picture: .png or .exr; for several inputs a folder, or a name with {name} in it")->required();
+    app.add_option("-o,--output", o->output,
+                   "picture: .png or .exr; for several inputs a folder, or a name with {name} in it")
+        ->required();
     app.add_option("--size", o->size, "WIDTHxHEIGHT in pixels (default: the scene's, else 1280x720)");
     app.add_option("--spp", o->spp, "samples per pixel (default: the scene's, else 64)")->check(CLI::Range(1, 1 << 30));
     app.add_option("--time", o->time, "stop after this long: 30s, 5m, 1h");
-    app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")->check(finite)->check(CLI::Range(1e-6, 1.0));
+    app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")
+        ->check(finite)
+        ->check(CLI::Range(1e-6, 1.0));
     app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
-    app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")->check(CLI::Range(-1, 1 << 20));
-    app.add_option("--clamp", o->clamp, "most that a path may add by indirect light, against sparks; 0: no limit, unbiased (default: the scene's, "
-                                        "else 0; 10 for a bare model)")->check(CLI::Range(0.0, 1e30));
+    app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")
+        ->check(CLI::Range(-1, 1 << 20));
+    app.add_option(
+           "--clamp", o->clamp,
+           "most that a path may add by indirect light, against sparks; 0: no limit, unbiased (default: the scene's, "
+           "else 0; 10 for a bare model)")
+        ->check(CLI::Range(0.0, 1e30));
     app.add_option("--device", o->device, "`spinel list devices`")->capture_default_str();
-    app.add_option("--seed", o->seed, "another seed, another noise; the same seed, the same bits")->capture_default_str();
-    app.add_option("-t,--threads", o->threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024))->capture_default_str();
+    app.add_option("--seed", o->seed, "another seed, another noise; the same seed, the same bits")
+        ->capture_default_str();
+    app.add_option("-t,--threads", o->threads, "worker threads (0: one a core)")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str();
     app.add_option("--crop", o->crop, "LEFT,TOP,RIGHT,BOTTOM in pixels: render and write this part only");
     app.add_option("--camera", o->camera, "one of the scene's cameras by name");
     app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');

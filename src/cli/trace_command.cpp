@@ -1,5 +1,5 @@
-#include <chrono>
 #include <fmt/format.h>
+#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -40,10 +40,15 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     for (const TraceHit& hit : *hits) hit_count += hit.t < kernels::INFINITE;
     const double rate = 1e-6 * double(rays->size()) / std::max(seconds, 1e-9);
     if (common.json)
-        fmt::print("{}\n", nlohmann::ordered_json({{"rays", rays->size()}, {"hits", hit_count}, {"seconds", seconds}, {"mrays_per_s", rate},
-                                                   {"accelerator", o.trace.accelerator}}).dump());
+        fmt::print("{}\n", nlohmann::ordered_json({{"rays", rays->size()},
+                                                   {"hits", hit_count},
+                                                   {"seconds", seconds},
+                                                   {"mrays_per_s", rate},
+                                                   {"accelerator", o.trace.accelerator}})
+                               .dump());
     else if (!common.quiet)
-        fmt::print(stderr, "{} rays, {} hits, {:.3f} s, {:.2f} Mrays/s ({})\n", rays->size(), hit_count, seconds, rate, o.trace.accelerator);
+        fmt::print(stderr, "{} rays, {} hits, {:.3f} s, {:.2f} Mrays/s ({})\n", rays->size(), hit_count, seconds, rate,
+                   o.trace.accelerator);
     return int(exit_ok);
 }
 

@@ -35,9 +35,9 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) {
     if (threads <= 0) return;
-    state_ = std::unique_ptr<State>(new State{
-        tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        tbb::task_arena(threads), nullptr});
+    state_ = std::unique_ptr<State>(
+        new State{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
+                  tbb::task_arena(threads), nullptr});
     state_->outer = limited_arena.exchange(&state_->arena);
 }
 

@@ -7,11 +7,12 @@
 
 namespace spinel {
 
-// Calls body(begin, end) for disjoint ranges that cover [0, count); ranges hold at least `grain` elements where possible.
+// Calls body(begin, end) for disjoint ranges that cover [0, count); ranges hold at least `grain` elements where
+// possible.
 void parallel_for(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-// While it lives, exactly `threads` threads work, more than there are cores if so asked (0: as many as there are cores).
-// One at a time, made and destroyed by the program's main flow.
+// While it lives, exactly `threads` threads work, more than there are cores if so asked (0: as many as there are
+// cores). One at a time, made and destroyed by the program's main flow.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads);

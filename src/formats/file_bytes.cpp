@@ -20,8 +20,8 @@ Result<std::string> read_file_bytes(const std::filesystem::path& path, std::uint
     const std::uintmax_t size = std::filesystem::file_size(path, error);
     if (error) return cannot_read(path, error.message());
     if (size > max_bytes)
-        return cannot_read(path, "its " + std::to_string(size) + " bytes are more than the " +
-                                     std::to_string(max_bytes) + " allowed");
+        return cannot_read(
+            path, "its " + std::to_string(size) + " bytes are more than the " + std::to_string(max_bytes) + " allowed");
     std::ifstream file(path, std::ios::binary);
     std::string bytes(static_cast<std::size_t>(size), '\0');
     if (!file.read(bytes.data(), static_cast<std::streamsize>(size)))

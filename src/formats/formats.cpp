@@ -35,11 +35,7 @@ std::string extension_list(Keep keep) {
 std::span<const Format> formats() {
     static const Format table[] = {
         {"vox", {".vox"}, "MagicaVoxel: models, scene graph, palette and materials", load_vox, nullptr},
-        {"gltf",
-         {".gltf", ".glb"},
-         "glTF 2.0: meshes, materials with textures, cameras, lights",
-         load_gltf,
-         nullptr},
+        {"gltf", {".gltf", ".glb"}, "glTF 2.0: meshes, materials with textures, cameras, lights", load_gltf, nullptr},
         {"obj", {".obj"}, "Wavefront OBJ with MTL materials", load_mesh, nullptr},
         {"ply", {".ply"}, "Stanford polygons, text or binary", load_mesh, nullptr},
         {"stl", {".stl"}, "stereolithography triangles, text or binary", load_mesh, nullptr},
@@ -53,8 +49,7 @@ std::span<const Format> formats() {
 const Format* format_of(const std::filesystem::path& path) {
     const std::string extension = lower_case_extension(path);
     for (const Format& format : formats()) {
-        if (std::find(format.extensions.begin(), format.extensions.end(), extension) !=
-            format.extensions.end())
+        if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
             return &format;
     }
     return nullptr;

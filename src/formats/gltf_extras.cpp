@@ -53,8 +53,7 @@ Result<std::string_view> json_text(const std::filesystem::path& path, std::strin
     const std::string_view text = reader.take(length);
     if (!reader.ok())
         return cannot_read(path, "byte " + std::to_string(reader.offset()) + ": the file ends in its JSON");
-    if (version != 2)
-        return cannot_read(path, "its version is " + std::to_string(version) + ", readable is 2");
+    if (version != 2) return cannot_read(path, "its version is " + std::to_string(version) + ", readable is 2");
     if (type != "JSON") return cannot_read(path, "byte 16: the first chunk is not JSON");
     return text;
 }
@@ -70,8 +69,7 @@ Result<GltfExtras> read_gltf_extras(const std::filesystem::path& path) {
     if (json.is_discarded() || !json.is_object()) return cannot_read(path, "its JSON is damaged");
 
     for (const Json& extension : member(json, "extensionsRequired")) {
-        if (!extension.is_string())
-            return cannot_read(path, "extensionsRequired holds something that is no name");
+        if (!extension.is_string()) return cannot_read(path, "extensionsRequired holds something that is no name");
         const std::string name = extension.get<std::string>();
         if (std::find(std::begin(UNDERSTOOD), std::end(UNDERSTOOD), name) == std::end(UNDERSTOOD))
             return cannot_read(path, "it requires the extension " + name + ", which is not supported");

@@ -54,8 +54,7 @@ bool is_ply_header(const std::filesystem::path& path) {
         const std::string word = line.substr(0, line.find_first_of(" \t\r"));
         if (i == 0 && word != "ply") return false;
         if (word == "end_header") return true;
-        static constexpr std::string_view known[] = {"ply",     "format",   "comment", "obj_info",
-                                                     "element", "property", ""};
+        static constexpr std::string_view known[] = {"ply", "format", "comment", "obj_info", "element", "property", ""};
         if (std::find(std::begin(known), std::end(known), word) == std::end(known)) return false;
     }
     return false;
@@ -68,13 +67,11 @@ class MeshLoader {
     Result<Scene> load() {
         std::error_code error;
         if (!std::filesystem::is_regular_file(path_, error))
-            return cannot_read(path_, std::filesystem::exists(path_, error) ? "that is not a plain file"
-                                                                            : "there is no such file");
-        if (path_extension() == ".ply" && !is_ply_header(path_))
-            return cannot_read(path_, "its PLY header is damaged");
+            return cannot_read(
+                path_, std::filesystem::exists(path_, error) ? "that is not a plain file" : "there is no such file");
+        if (path_extension() == ".ply" && !is_ply_header(path_)) return cannot_read(path_, "its PLY header is damaged");
         if (std::filesystem::file_size(path_, error) > MAX_FILE)
-            return cannot_read(path_,
-                               "its size is more than the " + std::to_string(MAX_FILE) + " bytes allowed");
+            return cannot_read(path_, "its size is more than the " + std::to_string(MAX_FILE) + " bytes allowed");
         // As the file has it: what follows is ours, Assimp's own steps assume sound and unindexed meshes.
         source_ = importer_.ReadFile(path_.string(), 0);
         if (!source_) return library_error();
@@ -103,8 +100,7 @@ class MeshLoader {
         for (unsigned m = 0; m < source_->mNumMeshes; ++m) {
             const aiMesh& mesh = *source_->mMeshes[m];
             const std::string where = "mesh " + std::to_string(m) + " ('" + mesh.mName.C_Str() + "'): ";
-            if (!mesh.mVertices && mesh.mNumVertices > 0)
-                return cannot_read(path_, where + "it has no positions");
+            if (!mesh.mVertices && mesh.mNumVertices > 0) return cannot_read(path_, where + "it has no positions");
             for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
                 if (!is_finite(to_vec3(mesh.mVertices[v])))
                     return cannot_read(path_, where + "vertex " + std::to_string(v) + " is not finite");
@@ -130,8 +126,7 @@ class MeshLoader {
         MeshTextures textures(path_, *source_, scene_);
         std::vector<bool> used(source_->mNumMaterials, false);
         for (unsigned m = 0; m < source_->mNumMeshes; ++m)
-            if (source_->mMeshes[m]->mMaterialIndex < used.size())
-                used[source_->mMeshes[m]->mMaterialIndex] = true;
+            if (source_->mMeshes[m]->mMaterialIndex < used.size()) used[source_->mMeshes[m]->mMaterialIndex] = true;
         uv_sets_.assign(used.size(), 0);
         material_of_.assign(used.size(), -1);
         for (unsigned m = 0; m < source_->mNumMaterials; ++m) {
@@ -167,8 +162,7 @@ class MeshLoader {
             if (!geometry.uvs.empty() && !geometry.normals.empty() && geometry.tangents.empty())
                 generate_tangents(geometry);
             const std::string name = mesh.mName.C_Str();
-            scene_.geometries.push_back(
-                {name.empty() ? "mesh " + std::to_string(m) : name, std::move(geometry)});
+            scene_.geometries.push_back({name.empty() ? "mesh " + std::to_string(m) : name, std::move(geometry)});
         }
         return {};
     }
@@ -192,8 +186,7 @@ class MeshLoader {
             if (tangents) {
                 const vec3 tangent = unit_or_zero(to_vec3(mesh.mTangents[v]));
                 const float side = glm::dot(glm::cross(normal, tangent), to_vec3(mesh.mBitangents[v]));
-                geometry.tangents.emplace_back(tangent,
-                                               tangent == vec3(0.0f) ? 0.0f : (side < 0 ? -1.0f : 1.0f));
+                geometry.tangents.emplace_back(tangent, tangent == vec3(0.0f) ? 0.0f : (side < 0 ? -1.0f : 1.0f));
             }
             if (mesh.HasVertexColors(0)) {
                 const aiColor4D& c = mesh.mColors[0][v];
@@ -231,8 +224,8 @@ class MeshLoader {
             const mat4x3 transform = to_transform(to_world);
             for (int column = 0; column < 4; ++column) {
                 if (!is_finite(transform[column]))
-                    return cannot_read(path_, "the transform of node '" + std::string(node->mName.C_Str()) +
-                                                  "' is not finite");
+                    return cannot_read(
+                        path_, "the transform of node '" + std::string(node->mName.C_Str()) + "' is not finite");
             }
             // A scale of zero along an axis is the usual way to hide a thing.
             const bool visible = glm::determinant(mat3(transform[0], transform[1], transform[2])) != 0.0f;
@@ -240,8 +233,8 @@ class MeshLoader {
                 const int geometry = geometry_of_[node->mMeshes[i]];
                 if (geometry < 0) continue;
                 if (scene_.objects.size() >= MAX_OBJECTS)
-                    return cannot_read(
-                        path_, "it places more than the " + std::to_string(MAX_OBJECTS) + " objects allowed");
+                    return cannot_read(path_,
+                                       "it places more than the " + std::to_string(MAX_OBJECTS) + " objects allowed");
                 Object object;
                 object.name = node->mName.C_Str();
                 object.geometry = geometry;
@@ -249,8 +242,7 @@ class MeshLoader {
                 object.materials = {material_of(*source_->mMeshes[node->mMeshes[i]])};
                 scene_.objects.push_back(std::move(object));
             }
-            for (unsigned i = node->mNumChildren; i > 0; --i)
-                waiting.emplace_back(node->mChildren[i - 1], to_world);
+            for (unsigned i = node->mNumChildren; i > 0; --i) waiting.emplace_back(node->mChildren[i - 1], to_world);
         }
         return {};
     }

@@ -24,8 +24,7 @@ std::uint64_t mixed(std::uint64_t hash, const void* bytes, std::size_t size) {
 // Numbers the classes of equal things among 0 … count − 1 in the order of their first appearance.
 // Returns each thing's class; `firsts` gets the first thing of each class.
 template <class Hash, class Equal>
-std::vector<std::uint32_t> classes(std::size_t count, Hash hash, Equal equal,
-                                   std::vector<std::uint32_t>& firsts) {
+std::vector<std::uint32_t> classes(std::size_t count, Hash hash, Equal equal, std::vector<std::uint32_t>& firsts) {
     std::size_t capacity = 16;
     while (capacity < 2 * count) capacity *= 2;
     std::vector<std::uint32_t> table(capacity, EMPTY), result(count);
@@ -122,8 +121,7 @@ void generate_normals(MeshGeometry& mesh, float crease_degrees) {
     std::vector<float> angles(corner_count);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const uvec3 triangle = mesh.triangles[t];
-        const glm::dvec3 a(mesh.positions[triangle.x]), b(mesh.positions[triangle.y]),
-            c(mesh.positions[triangle.z]);
+        const glm::dvec3 a(mesh.positions[triangle.x]), b(mesh.positions[triangle.y]), c(mesh.positions[triangle.z]);
         face_normals[t] = unit(glm::cross(b - a, c - a));
         for (int k = 0; k < 3; ++k) {
             angles[3 * t + std::size_t(k)] = corner_angle(mesh, triangle, k);
@@ -187,8 +185,7 @@ void generate_tangents(MeshGeometry& mesh) {
             d2(mesh.uvs[triangle.z] - mesh.uvs[triangle.x]);
         const double determinant = d1.x * d2.y - d2.x * d1.y;
         const double sign = determinant < 0 ? -1 : (determinant > 0 ? 1 : 0);
-        frames[t] = {unit(sign * (d2.y * e1 - d1.y * e2)), unit(sign * (d1.x * e2 - d2.x * e1)),
-                     determinant < 0};
+        frames[t] = {unit(sign * (d2.y * e1 - d1.y * e2)), unit(sign * (d1.x * e2 - d2.x * e1)), determinant < 0};
         if (!frames[t].mirrored)
             for (int c = 0; c < 3; ++c) plain_use[triangle[c]] = 1;
     }

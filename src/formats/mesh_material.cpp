@@ -71,8 +71,7 @@ struct Maker {
 
     void normal_map() {
         values.normal_texture = texture(aiTextureType_NORMALS, TextureRole::data);
-        values.normal_scale =
-            number(source, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0)).value_or(1.0f);
+        values.normal_scale = number(source, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0)).value_or(1.0f);
     }
 
     void glass(float ior) {
@@ -82,8 +81,7 @@ struct Maker {
 };
 
 aiTextureType base_color_type(const aiMaterial& source) {
-    return source.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ? aiTextureType_BASE_COLOR
-                                                                : aiTextureType_DIFFUSE;
+    return source.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE;
 }
 
 void make_metallic_roughness(Maker& maker, const GltfExtras::MaterialExtras& extras) {
@@ -101,8 +99,7 @@ void make_metallic_roughness(Maker& maker, const GltfExtras::MaterialExtras& ext
         const float distance = number(source, AI_MATKEY_VOLUME_ATTENUATION_DISTANCE).value_or(0.0f);
         const auto attenuation = color(source, AI_MATKEY_VOLUME_ATTENUATION_COLOR);
         if (distance > 0 && attenuation)  // the colour that white light has after the distance
-            maker.values.absorption =
-                -glm::log(glm::clamp(vec3(*attenuation), vec3(1e-4f), vec3(1.0f))) / distance;
+            maker.values.absorption = -glm::log(glm::clamp(vec3(*attenuation), vec3(1e-4f), vec3(1.0f))) / distance;
         maker.normal_map();
         return;
     }
@@ -127,17 +124,13 @@ void make_metallic_roughness(Maker& maker, const GltfExtras::MaterialExtras& ext
     } else if (mode == aiString("MASK")) {
         const float cutoff = number(source, AI_MATKEY_GLTF_ALPHACUTOFF).value_or(0.5f);
         maker.values.opacity_texture =
-            base->w > 0 ? maker.texture(base_color_type(source), TextureRole::mask, cutoff / base->w)
-                        : kernels::NONE;
-        if (maker.values.opacity_texture == kernels::NONE)
-            maker.values.opacity = base->w >= cutoff ? 1.0f : 0.0f;
+            base->w > 0 ? maker.texture(base_color_type(source), TextureRole::mask, cutoff / base->w) : kernels::NONE;
+        if (maker.values.opacity_texture == kernels::NONE) maker.values.opacity = base->w >= cutoff ? 1.0f : 0.0f;
     }
 }
 
 // Phong's exponent as the perceptual roughness of a microfacet lobe of the same width: α² = 2 / (n + 2).
-float roughness_of_exponent(float exponent) {
-    return std::pow(2.0f / (std::max(exponent, 0.0f) + 2.0f), 0.25f);
-}
+float roughness_of_exponent(float exponent) { return std::pow(2.0f / (std::max(exponent, 0.0f) + 2.0f), 0.25f); }
 
 void make_phong(Maker& maker) {
     const aiMaterial& source = maker.source;

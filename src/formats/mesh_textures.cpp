@@ -71,8 +71,7 @@ std::shared_ptr<const PixelBuffer> opacity_of(const PixelBuffer& source, Texture
             const int channel = has_alpha ? source.channels - 1 : 0;
             return std::make_shared<const PixelBuffer>(
                 opacity_picture<T>(source, values, one, [&](const T* texel, T full) {
-                    if (role == TextureRole::mask)
-                        return float(texel[channel]) >= cutoff * float(full) ? full : T(0);
+                    if (role == TextureRole::mask) return float(texel[channel]) >= cutoff * float(full) ? full : T(0);
                     return texel[channel];
                 }));
         },
@@ -128,8 +127,7 @@ Result<std::shared_ptr<const PixelBuffer>> MeshTextures::pixels(const std::strin
     return known;
 }
 
-Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, int ai_type, TextureRole role,
-                                        float cutoff) {
+Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, int ai_type, TextureRole role, float cutoff) {
     const auto type = aiTextureType(ai_type);
     aiString file;
     aiTextureMapping mapping = aiTextureMapping_UV;
@@ -148,8 +146,7 @@ Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, int ai_type,
     material.Get(AI_MATKEY_MAPPINGMODE_V(type, 0), wrap_v);
     material.Get(AI_MATKEY_GLTF_MAPPINGFILTER_MAG(type, 0), magnification);
     if (wrap_u != wrap_v)
-        return cannot_read(model_,
-                           "texture '" + name + "' wraps differently along u and v, which is not supported");
+        return cannot_read(model_, "texture '" + name + "' wraps differently along u and v, which is not supported");
     texture.wrap = wrap_of(wrap_u);
     texture.filter = magnification == GL_NEAREST ? Filter::nearest : Filter::linear;
     aiUVTransform transform;
@@ -161,9 +158,8 @@ Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, int ai_type,
     }
 
     std::ostringstream key;
-    key << name << '|' << int(role) << '|' << cutoff << '|' << int(texture.wrap) << '|' << int(texture.filter)
-        << '|' << texture.scale.x << ' ' << texture.scale.y << ' ' << texture.offset.x << ' '
-        << texture.offset.y;
+    key << name << '|' << int(role) << '|' << cutoff << '|' << int(texture.wrap) << '|' << int(texture.filter) << '|'
+        << texture.scale.x << ' ' << texture.scale.y << ' ' << texture.offset.x << ' ' << texture.offset.y;
     if (const auto known = textures_.find(key.str()); known != textures_.end()) return known->second;
 
     const Result<std::shared_ptr<const PixelBuffer>> read = pixels(name, texture.srgb);

@@ -43,9 +43,8 @@ class MeshTextures {
     const std::filesystem::path& model_;
     const aiScene& source_;
     Scene& scene_;
-    std::map<std::pair<std::string, bool>, std::shared_ptr<const PixelBuffer>>
-        pixels_;                                     // by name and use as colour
-    std::map<std::string, std::uint32_t> textures_;  // by name and all settings
+    std::map<std::pair<std::string, bool>, std::shared_ptr<const PixelBuffer>> pixels_;  // by name and use as colour
+    std::map<std::string, std::uint32_t> textures_;                                      // by name and all settings
     std::optional<unsigned> uv_set_;
 };
 

@@ -108,8 +108,7 @@ Result<std::vector<TraceRay>> read_rays_npy(const std::filesystem::path& path) {
     if (fields->at("fortran_order") != "False") return cannot_read(path, "rays must be in C order");
     const auto edges = shape(fields->at("shape"));
     if (!edges || edges->size() != 2 || (*edges)[1] != 8)
-        return cannot_read(path,
-                           "rays must have the shape (N, 8), found " + fields->at("shape").substr(0, 60));
+        return cannot_read(path, "rays must have the shape (N, 8), found " + fields->at("shape").substr(0, 60));
     const std::uint64_t count = (*edges)[0];
     if (count > MAX_FILE || count * sizeof(TraceRay) != reader.remaining())
         return cannot_read(path, "its " + std::to_string(count) + " rays need " +
@@ -122,10 +121,9 @@ Result<std::vector<TraceRay>> read_rays_npy(const std::filesystem::path& path) {
 }
 
 Result<void> write_hits_npy(const std::filesystem::path& path, std::span<const TraceHit> hits) {
-    static_assert(offsetof(TraceHit, t) == 0 && offsetof(TraceHit, instance) == 4 &&
-                      offsetof(TraceHit, u) == 12 && offsetof(TraceHit, nx) == 20 &&
-                      offsetof(TraceHit, ix) == 32 && offsetof(TraceHit, material) == 44 &&
-                      sizeof(TraceHit) == 48,
+    static_assert(offsetof(TraceHit, t) == 0 && offsetof(TraceHit, instance) == 4 && offsetof(TraceHit, u) == 12 &&
+                      offsetof(TraceHit, nx) == 20 && offsetof(TraceHit, ix) == 32 &&
+                      offsetof(TraceHit, material) == 44 && sizeof(TraceHit) == 48,
                   "the fields below are the struct as it lies in memory");
     std::string header =
         "{'descr': [('t', '<f4'), ('instance', '<u4'), ('primitive', '<u4'), ('u', '<f4'), ('v', '<f4'), "

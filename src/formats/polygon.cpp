@@ -39,8 +39,7 @@ bool is_ear(const std::vector<dvec2>& points, const std::vector<std::size_t>& le
 
 }  // namespace
 
-void triangulate(std::span<const vec3> positions, std::span<const unsigned> polygon,
-                 std::vector<uvec3>& triangles) {
+void triangulate(std::span<const vec3> positions, std::span<const unsigned> polygon, std::vector<uvec3>& triangles) {
     constexpr std::size_t largest = 1024;
     const std::size_t n = polygon.size();
     if (n == 3 || n > largest) {
@@ -66,8 +65,7 @@ void triangulate(std::span<const vec3> positions, std::span<const unsigned> poly
         for (std::size_t tries = 0; tries < m && !is_ear(points, left, ear); ++tries) ear = (ear + 1) % m;
         // Without an ear (it crosses itself, or has no area) any corner goes: the count of triangles stays n
         // − 2.
-        triangles.emplace_back(polygon[left[(ear + m - 1) % m]], polygon[left[ear]],
-                               polygon[left[(ear + 1) % m]]);
+        triangles.emplace_back(polygon[left[(ear + m - 1) % m]], polygon[left[ear]], polygon[left[(ear + 1) % m]]);
         left.erase(left.begin() + std::ptrdiff_t(ear));
         i = ear == m - 1 ? 0 : ear;
     }

@@ -92,8 +92,7 @@ std::optional<std::string> read_line(const std::string& key, std::string_view re
                 return "an edge must be 1 … " + std::to_string(MAX_EDGE) + ", found " + shown;
         header.size = {(*size)[0], (*size)[1], (*size)[2]};
     } else if (key == "type") {
-        if (rest != "u8" && rest != "u16" && rest != "f32")
-            return "type must be u8, u16 or f32, found " + shown;
+        if (rest != "u8" && rest != "u16" && rest != "f32") return "type must be u8, u16 or f32, found " + shown;
         header.type = rest;
     } else if (key == "spacing" || key == "origin") {
         const auto values = numbers<float>(rest, 3);
@@ -121,15 +120,13 @@ Result<Header> read_header(const std::filesystem::path& path, std::istream& file
     for (int number = 1;; ++number) {
         const std::size_t end = block.find('\n', at);
         if (end == std::string::npos)
-            return cannot_read(path, number == 1
-                                         ? "it does not begin with 'spinel volume 1'"
-                                         : "line " + std::to_string(number) + ": the header has no end");
+            return cannot_read(path, number == 1 ? "it does not begin with 'spinel volume 1'"
+                                                 : "line " + std::to_string(number) + ": the header has no end");
         std::string line = block.substr(at, end - at);
         if (!line.empty() && line.back() == '\r') line.pop_back();
         at = end + 1;
         if (number == 1) {
-            if (line != "spinel volume 1")
-                return cannot_read(path, "it does not begin with 'spinel volume 1'");
+            if (line != "spinel volume 1") return cannot_read(path, "it does not begin with 'spinel volume 1'");
             continue;
         }
         if (line.empty()) break;
@@ -152,8 +149,7 @@ std::vector<float> normalised(const std::string& bytes, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         T value;
         std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
-        values[i] =
-            std::is_integral_v<T> ? float(value) / float(std::numeric_limits<T>::max()) : float(value);
+        values[i] = std::is_integral_v<T> ? float(value) / float(std::numeric_limits<T>::max()) : float(value);
     }
     return values;
 }
@@ -167,8 +163,7 @@ Result<Scene> load_bits(const std::filesystem::path& path) {
     const Result<std::string> bytes = read_file_bytes(path, std::uintmax_t(1) << 32);
     if (!bytes) return bytes.error();
     if (bytes->size() != edge * edge * 4)
-        return cannot_read(path,
-                           "a bit volume has 4096 bytes, this file has " + std::to_string(bytes->size()));
+        return cannot_read(path, "a bit volume has 4096 bytes, this file has " + std::to_string(bytes->size()));
     Grid grid;
     grid.size = {edge, edge, edge};
     grid.values.resize(edge * edge * edge);
@@ -201,8 +196,8 @@ Result<Scene> load_svol(const std::filesystem::path& path) {
     const std::uint64_t wanted = count * (header->type == "u8" ? 1 : header->type == "u16" ? 2 : 4);
     const std::uint64_t there = std::filesystem::file_size(path, error) - std::uint64_t(file.tellg());
     if (error || there != wanted)
-        return cannot_read(path, "its size needs " + std::to_string(wanted) +
-                                     " bytes of samples, the file has " + std::to_string(there));
+        return cannot_read(path, "its size needs " + std::to_string(wanted) + " bytes of samples, the file has " +
+                                     std::to_string(there));
     std::string bytes(std::size_t(wanted), '\0');
     if (!file.read(bytes.data(), std::streamsize(wanted))) return cannot_read(path, "the file ended early");
 
@@ -225,19 +220,17 @@ Result<void> save_svol(const Scene& scene, const std::filesystem::path& path) {
         return Error{"cannot write '" + path.string() + "': " + why};
     };
     if (scene.grids.size() != 1)
-        return cannot_write("the scene has " + std::to_string(scene.grids.size()) +
-                            " grids, the file holds one");
+        return cannot_write("the scene has " + std::to_string(scene.grids.size()) + " grids, the file holds one");
     const Grid& grid = scene.grids[0];
     const vec3 spacing(grid.index_to_local[0].x, grid.index_to_local[1].y, grid.index_to_local[2].z);
     const vec3 origin = grid.index_to_local[3];
-    if (grid.index_to_local != axis_aligned(spacing, origin) || !usable(spacing, true) ||
-        !usable(origin, false))
+    if (grid.index_to_local != axis_aligned(spacing, origin) || !usable(spacing, true) || !usable(origin, false))
         return cannot_write("the grid is not aligned with its axes");
     std::ostringstream header;
     header.precision(9);  // enough for every float
     header << "spinel volume 1\nsize " << grid.size.x << ' ' << grid.size.y << ' ' << grid.size.z
-           << "\ntype f32\nspacing " << spacing.x << ' ' << spacing.y << ' ' << spacing.z << "\norigin "
-           << origin.x << ' ' << origin.y << ' ' << origin.z << "\nfilter "
+           << "\ntype f32\nspacing " << spacing.x << ' ' << spacing.y << ' ' << spacing.z << "\norigin " << origin.x
+           << ' ' << origin.y << ' ' << origin.z << "\nfilter "
            << (grid.filter == Filter::linear ? "linear" : "nearest") << "\n\n";
     std::string bytes = header.str();
     bytes.append(reinterpret_cast<const char*>(grid.values.data()), grid.values.size() * sizeof(float));

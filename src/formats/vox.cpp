@@ -11,9 +11,8 @@
 namespace spinel {
 namespace {
 
-constexpr std::size_t MAX_CELLS = std::size_t(1) << 30;  // of all models together
-constexpr std::size_t MAX_PLACEMENTS = std::size_t(1)
-                                       << 20;  // a small graph may place a model exponentially often
+constexpr std::size_t MAX_CELLS = std::size_t(1) << 30;       // of all models together
+constexpr std::size_t MAX_PLACEMENTS = std::size_t(1) << 20;  // a small graph may place a model exponentially often
 constexpr std::size_t MAX_DEPTH = 256;
 
 // p ↦ linear·p + offset
@@ -59,13 +58,11 @@ class Builder {
             return "its scene graph refers to node " + std::to_string(index) + ", which is not there";
         const vox::Node& node = found->second;
         if (std::find(way_.begin(), way_.end(), index) != way_.end())
-            return "byte " + std::to_string(node.offset) + ": node " + std::to_string(index) +
-                   " is its own ancestor";
+            return "byte " + std::to_string(node.offset) + ": node " + std::to_string(index) + " is its own ancestor";
         if (way_.size() >= MAX_DEPTH)
             return "its scene graph is deeper than the " + std::to_string(MAX_DEPTH) + " levels allowed";
         if (++visited_ > MAX_PLACEMENTS)
-            return "its scene graph places more than the " + std::to_string(MAX_PLACEMENTS) +
-                   " nodes allowed";
+            return "its scene graph places more than the " + std::to_string(MAX_PLACEMENTS) + " nodes allowed";
         if (node.hidden || file_.hidden_layers.count(node.layer)) return {};
 
         placement.offset = placement.linear * node.translation + placement.offset;
@@ -97,8 +94,7 @@ class Builder {
         const vec3 offset = turn * (placement.offset - placement.linear * pivot);
         for (const Part& part : *parts_[model]) {
             Object object;
-            object.name =
-                placement.name.empty() ? scene_.geometries[std::size_t(part.geometry)].name : placement.name;
+            object.name = placement.name.empty() ? scene_.geometries[std::size_t(part.geometry)].name : placement.name;
             object.geometry = part.geometry;
             object.transform = mat4x3(linear[0], linear[1], linear[2], offset);
             object.materials = part.materials;
@@ -122,8 +118,7 @@ class Builder {
         }
         const std::size_t cells = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
         cells_ += cells * (clouds.size() + (solid.empty() ? 0 : 1));
-        if (cells_ > MAX_CELLS)
-            return "its models have more than the " + std::to_string(MAX_CELLS) + " cells allowed";
+        if (cells_ > MAX_CELLS) return "its models have more than the " + std::to_string(MAX_CELLS) + " cells allowed";
 
         const std::string name = "model " + std::to_string(model);
         if (!solid.empty()) {
@@ -131,8 +126,7 @@ class Builder {
             part.geometry = add_geometry(name, size, voxels, solid);
             // Slots that no voxel uses repeat a used one: −1 there would announce interfaces that are not.
             part.materials.assign(std::size_t(solid.back()), material_of_[std::size_t(solid[0])]);
-            for (const int index : solid)
-                part.materials[std::size_t(index - 1)] = material_of_[std::size_t(index)];
+            for (const int index : solid) part.materials[std::size_t(index - 1)] = material_of_[std::size_t(index)];
             parts_[model]->push_back(std::move(part));
         }
         for (const int index : clouds) {
@@ -145,8 +139,7 @@ class Builder {
         return {};
     }
 
-    int add_geometry(const std::string& name, ivec3 size, std::string_view voxels,
-                     const std::vector<int>& kept) {
+    int add_geometry(const std::string& name, ivec3 size, std::string_view voxels, const std::vector<int>& kept) {
         std::array<bool, 256> keep{};
         for (const int index : kept) keep[std::size_t(index)] = true;
         VoxelGeometry geometry;
@@ -183,10 +176,9 @@ class Builder {
         }
         if (medium >= 0) look.material.interior = std::uint32_t(medium);
         // Scalar layout without padding: equal bytes are equal materials.
-        const auto same =
-            std::find_if(scene_.materials.begin(), scene_.materials.end(), [&](const Material& other) {
-                return std::memcmp(&other.values, &look.material, sizeof look.material) == 0;
-            });
+        const auto same = std::find_if(scene_.materials.begin(), scene_.materials.end(), [&](const Material& other) {
+            return std::memcmp(&other.values, &look.material, sizeof look.material) == 0;
+        });
         if (same != scene_.materials.end()) return made = int(same - scene_.materials.begin());
         scene_.materials.push_back({name, look.material});
         return made = int(scene_.materials.size()) - 1;

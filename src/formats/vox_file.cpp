@@ -58,8 +58,7 @@ std::optional<vec3> parse_translation(const std::string& text) {
 std::optional<mat3> parse_rotation(const std::string& text) {
     int bits = 0;
     const auto [next, error] = std::from_chars(text.data(), text.data() + text.size(), bits);
-    if (error != std::errc() || next != text.data() + text.size() || bits < 0 || bits > 127)
-        return std::nullopt;
+    if (error != std::errc() || next != text.data() + text.size() || bits < 0 || bits > 127) return std::nullopt;
     const int columns[3] = {bits & 3, (bits >> 2) & 3, 3 - (bits & 3) - ((bits >> 2) & 3)};
     if (columns[0] == columns[1] || columns[0] == 3 || columns[1] == 3) return std::nullopt;
     mat3 rotation(0.0f);
@@ -84,8 +83,8 @@ class Parser {
         reader.take(content);
         if (reader.ok() && children == SIZE_UNKNOWN) children = std::uint32_t(reader.remaining());
         if (!reader.ok() || children > reader.remaining())
-            return at_byte(12) + "MAIN announces " + std::to_string(children) +
-                   " bytes of chunks, the file has " + std::to_string(reader.remaining());
+            return at_byte(12) + "MAIN announces " + std::to_string(children) + " bytes of chunks, the file has " +
+                   std::to_string(reader.remaining());
         const std::size_t origin = reader.offset();
         ByteReader chunks(reader.take(children), origin);
         while (chunks.remaining() > 0) {
@@ -107,8 +106,8 @@ class Parser {
         chunks.take(children_size);  // only MAIN has children
         if (!chunks.ok())
             return at_byte(start) + "chunk " + quoted(id) + " announces " +
-                   std::to_string(std::uint64_t(content_size) + children_size) + " bytes, " +
-                   std::to_string(left) + " are left";
+                   std::to_string(std::uint64_t(content_size) + children_size) + " bytes, " + std::to_string(left) +
+                   " are left";
         Complaint complaint;
         if (id == "SIZE") complaint = read_size(content);
         if (id == "XYZI") complaint = read_voxels(content);
@@ -118,8 +117,7 @@ class Parser {
         if (id == "LAYR") read_layer(content);
         if (id == "nTRN" || id == "nGRP" || id == "nSHP") complaint = read_node(id, content, start);
         if (complaint) return at_byte(start) + *complaint;
-        if (!content.ok())
-            return at_byte(start) + "chunk " + quoted(id) + " is too short for what it says it holds";
+        if (!content.ok()) return at_byte(start) + "chunk " + quoted(id) + " is too short for what it says it holds";
         return {};
     }
 
@@ -136,8 +134,8 @@ class Parser {
         if (!content.ok()) return {};
         for (const int edge : {x, y, z}) {
             if (edge < 0 || edge > MAX_EDGE)
-                return "a model's edge is " + std::to_string(edge) + " voxels, at most " +
-                       std::to_string(MAX_EDGE) + " are allowed";
+                return "a model's edge is " + std::to_string(edge) + " voxels, at most " + std::to_string(MAX_EDGE) +
+                       " are allowed";
         }
         size_ = ivec3(x, y, z);
         return {};
@@ -155,8 +153,7 @@ class Parser {
         const std::string_view voxels = content.take(std::size_t(count) * 4);
         for (std::size_t i = 0; i < voxels.size(); i += 4) {
             // Braces: clang reads parentheses here as the declaration of a function.
-            const ivec3 cell = {std::uint8_t(voxels[i]), std::uint8_t(voxels[i + 1]),
-                                std::uint8_t(voxels[i + 2])};
+            const ivec3 cell = {std::uint8_t(voxels[i]), std::uint8_t(voxels[i + 1]), std::uint8_t(voxels[i + 2])};
             if (cell.x >= size.x || cell.y >= size.y || cell.z >= size.z)
                 return "voxel (" + text(cell) + ") lies outside its model of (" + text(size) + ")";
         }
@@ -230,16 +227,14 @@ class Parser {
         } else {
             node.kind = id == "nGRP" ? Node::Kind::group : Node::Kind::shape;
             const std::uint32_t count = content.u32();
-            if (count > content.remaining() / 4)
-                return "a node announces " + std::to_string(count) + " children";
+            if (count > content.remaining() / 4) return "a node announces " + std::to_string(count) + " children";
             for (std::uint32_t i = 0; i < count && content.ok(); ++i) {
                 const int child = content.i32();
                 if (node.kind == Node::Kind::shape) read_dictionary(content);
                 if (node.kind == Node::Kind::group || i == 0) node.children.push_back(child);
             }
         }
-        if (!file_.nodes.emplace(index, std::move(node)).second)
-            return "there are two nodes " + std::to_string(index);
+        if (!file_.nodes.emplace(index, std::move(node)).second) return "there are two nodes " + std::to_string(index);
         return {};
     }
 
@@ -256,12 +251,11 @@ std::array<std::array<std::uint8_t, 4>, 256> default_palette() {
         for (int green = 5; green >= 0; --green)
             for (int blue = 5; blue >= 0; --blue)
                 if (red + green + blue > 0)
-                    palette[i++] = {std::uint8_t(red * 0x33), std::uint8_t(green * 0x33),
-                                    std::uint8_t(blue * 0x33), 255};
+                    palette[i++] = {std::uint8_t(red * 0x33), std::uint8_t(green * 0x33), std::uint8_t(blue * 0x33),
+                                    255};
     for (const int channels : {1, 2, 4, 7}) {  // bits: red, green, blue; then all three
         for (const std::uint8_t level : {0xee, 0xdd, 0xbb, 0xaa, 0x88, 0x77, 0x55, 0x44, 0x22, 0x11}) {
-            for (int c = 0; c < 3; ++c)
-                palette[i][std::size_t(c)] = (channels >> c) & 1 ? level : std::uint8_t(0);
+            for (int c = 0; c < 3; ++c) palette[i][std::size_t(c)] = (channels >> c) & 1 ? level : std::uint8_t(0);
             palette[i++][3] = 255;
         }
     }

@@ -81,8 +81,7 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Properties
     vec3 color;
     for (int c = 0; c < 3; ++c) color[c] = srgb_decoded(float(bytes[std::size_t(c)]) / 255.0f);
     const std::string type = word(properties, "_type");
-    const float weight =
-        fraction(properties, "_weight", 1.0f);  // how much of the type, before version 0.99.5
+    const float weight = fraction(properties, "_weight", 1.0f);  // how much of the type, before version 0.99.5
 
     Appearance result;
     if (type == "_media" || type == "_cloud") {
@@ -119,8 +118,7 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Properties
     if (type == "_emit" || (type == "_blend" && number(properties, "_emit", 0.0f) > 0.0f)) {
         // Radiant flux is a power of ten in the program's panel, 0 … 4.
         const float flux = std::clamp(number(properties, "_flux", 0.0f), 0.0f, 4.0f);
-        result.material.emission =
-            color * std::max(number(properties, "_emit", weight), 0.0f) * std::pow(10.0f, flux);
+        result.material.emission = color * std::max(number(properties, "_emit", weight), 0.0f) * std::pow(10.0f, flux);
     }
     return result;
 }

@@ -18,7 +18,6 @@ struct Appearance {
 };
 
 // Every property may be absent; then MagicaVoxel's default holds. Colours are sRGB bytes.
-Appearance appearance(const std::array<std::uint8_t, 4>& color,
-                      const std::map<std::string, std::string>& properties);
+Appearance appearance(const std::array<std::uint8_t, 4>& color, const std::map<std::string, std::string>& properties);
 
 }  // namespace spinel::vox

@@ -69,12 +69,12 @@ bool read_values(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, const std
     const int y_end = std::min(spec.y + spec.height, spec.full_y + spec.full_height);
     for (int y = y_begin; y < y_end; ++y) {
         for (int x = x_begin; x < x_end; ++x) {
-            const T* from = stored.data() +
-                            (std::size_t(y - spec.y) * std::size_t(spec.width) + std::size_t(x - spec.x)) *
-                                std::size_t(stored_count);
-            T* to = result.data() + (std::size_t(y - spec.full_y) * std::size_t(spec.full_width) +
-                                     std::size_t(x - spec.full_x)) *
-                                        channels;
+            const T* from =
+                stored.data() + (std::size_t(y - spec.y) * std::size_t(spec.width) + std::size_t(x - spec.x)) *
+                                    std::size_t(stored_count);
+            T* to =
+                result.data() +
+                (std::size_t(y - spec.full_y) * std::size_t(spec.full_width) + std::size_t(x - spec.full_x)) * channels;
             for (std::size_t c = 0; c < channels; ++c) to[c] = from[chosen[c] - stored_begin];
         }
     }
@@ -92,23 +92,20 @@ Result<PixelBuffer> read(const std::string& name, OIIO::Filesystem::IOProxy* pro
     const OIIO::ImageSpec spec = input->spec();
 
     if (spec.deep) return cannot_read(name, "deep pictures are not supported");
-    if (spec.depth > 1 || spec.full_depth > 1)
-        return cannot_read(name, "volumes in picture formats are not supported");
+    if (spec.depth > 1 || spec.full_depth > 1) return cannot_read(name, "volumes in picture formats are not supported");
     for (const std::int64_t edge : {spec.width, spec.height, spec.full_width, spec.full_height}) {
         if (edge < 1 || edge > MAX_EDGE)
-            return cannot_read(name, "an edge of " + std::to_string(edge) + " pixels is outside 1 … " +
-                                         std::to_string(MAX_EDGE));
+            return cannot_read(
+                name, "an edge of " + std::to_string(edge) + " pixels is outside 1 … " + std::to_string(MAX_EDGE));
     }
     // A window far from the origin would overflow the sums below.
     for (const std::int64_t corner : {spec.x, spec.y, spec.full_x, spec.full_y}) {
         if (std::abs(corner) > (std::int64_t(1) << 30))
-            return cannot_read(name,
-                               "its window lies " + std::to_string(corner) + " pixels away from the origin");
+            return cannot_read(name, "its window lies " + std::to_string(corner) + " pixels away from the origin");
     }
     const std::vector<int> chosen = chosen_channels(spec);
     if (chosen.empty())
-        return cannot_read(name,
-                           "R, G and B are not among its " + std::to_string(spec.nchannels) + " channels");
+        return cannot_read(name, "R, G and B are not among its " + std::to_string(spec.nchannels) + " channels");
     const auto [first, last] = std::minmax_element(chosen.begin(), chosen.end());
     const std::int64_t values =
         std::max(std::int64_t(spec.width) * spec.height * (*last - *first + 1),
@@ -120,11 +117,10 @@ Result<PixelBuffer> read(const std::string& name, OIIO::Filesystem::IOProxy* pro
     PixelBuffer result{spec.full_width, spec.full_height, int(chosen.size()), {}};
     bool done = false;
     if (spec.format == OIIO::TypeDesc::UINT8 && spec.channelformats.empty()) {
-        done = read_values(*input, spec, chosen, OIIO::TypeDesc::UINT8,
-                           result.data.emplace<std::vector<std::uint8_t>>());
+        done =
+            read_values(*input, spec, chosen, OIIO::TypeDesc::UINT8, result.data.emplace<std::vector<std::uint8_t>>());
     } else {
-        done = read_values(*input, spec, chosen, OIIO::TypeDesc::FLOAT,
-                           result.data.emplace<std::vector<float>>());
+        done = read_values(*input, spec, chosen, OIIO::TypeDesc::FLOAT, result.data.emplace<std::vector<float>>());
     }
     if (!done) return cannot_read(name, first_line(input->geterror()));
     return result;
@@ -156,8 +152,7 @@ Result<void> write_png(const std::filesystem::path& path, const NamedPlane& plan
     return write(path, spec, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
-Result<void> write_exr(const std::filesystem::path& path, const std::vector<NamedPlane>& planes,
-                       OIIO::ImageSpec spec) {
+Result<void> write_exr(const std::filesystem::path& path, const std::vector<NamedPlane>& planes, OIIO::ImageSpec spec) {
     spec.set_format(OIIO::TypeDesc::FLOAT);
     spec.channelformats.clear();
     for (const NamedPlane& plane : planes)
@@ -172,8 +167,7 @@ Result<void> write_exr(const std::filesystem::path& path, const std::vector<Name
     for (const NamedPlane& plane : planes) {
         const std::size_t count = plane.channels.size();
         for (std::size_t i = 0; i < pixels; ++i)
-            std::copy_n(plane.image.values.data() + i * count, count,
-                        interleaved.data() + i * stride + first);
+            std::copy_n(plane.image.values.data() + i * count, count, interleaved.data() + i * stride + first);
         first += count;
     }
     return write(path, spec, OIIO::TypeDesc::FLOAT, interleaved.data());
@@ -217,8 +211,7 @@ Result<void> write_image(const std::filesystem::path& path, const std::vector<Na
     for (const NamedPlane& plane : planes) {
         const Image& image = plane.image;
         if (image.width < 1 || image.height < 1 || image.width != width || image.height != height)
-            return cannot_write(path, "a plane of " + std::to_string(image.width) + "x" +
-                                          std::to_string(image.height) +
+            return cannot_write(path, "a plane of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
                                           " pixels does not fit a picture of " + std::to_string(width) + "x" +
                                           std::to_string(height));
         if (image.channels < 1 || plane.channels.size() != std::size_t(image.channels) ||

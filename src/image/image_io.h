@@ -26,8 +26,7 @@ Result<Image> read_image(const std::filesystem::path& path);
 
 // Some channels of a picture that is written; all planes of a file have the same size.
 struct NamedPlane {
-    std::vector<std::string>
-        channels;  // one a channel of `image`: {"R", "G", "B"}, {"depth.Z"}, {"normal.X", …}
+    std::vector<std::string> channels;  // one a channel of `image`: {"R", "G", "B"}, {"depth.Z"}, {"normal.X", …}
     Image image;
     bool half = false;  // 16-bit floats: for colour; not for distances, indices and counts
 };

@@ -7,16 +7,13 @@ namespace spinel {
 namespace {
 
 std::string shape(const Image& image) {
-    return std::to_string(image.width) + "x" + std::to_string(image.height) + "x" +
-           std::to_string(image.channels);
+    return std::to_string(image.width) + "x" + std::to_string(image.height) + "x" + std::to_string(image.channels);
 }
 
 template <class Difference>
 Result<double> mean_difference(const Image& image, const Image& reference, Difference difference) {
-    if (image.width != reference.width || image.height != reference.height ||
-        image.channels != reference.channels)
-        return Error{"pictures of different shape cannot be compared: " + shape(image) + " and " +
-                     shape(reference)};
+    if (image.width != reference.width || image.height != reference.height || image.channels != reference.channels)
+        return Error{"pictures of different shape cannot be compared: " + shape(image) + " and " + shape(reference)};
     if (image.values.empty()) return Error{"pictures without pixels cannot be compared"};
     double sum = 0;
     for (std::size_t i = 0; i < image.values.size(); ++i)
@@ -40,8 +37,7 @@ Result<double> rmse(const Image& image, const Image& reference) {
 }
 
 Result<double> relative_mse(const Image& image, const Image& reference) {
-    return mean_difference(image, reference,
-                           [](double a, double b) { return (a - b) * (a - b) / (b * b + 1e-2); });
+    return mean_difference(image, reference, [](double a, double b) { return (a - b) * (a - b) / (b * b + 1e-2); });
 }
 
 }  // namespace spinel

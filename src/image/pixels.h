@@ -14,9 +14,7 @@ struct PixelBuffer {
     int height = 0;
     int channels = 0;  // 1 … 4
     std::variant<std::vector<std::uint8_t>, std::vector<float>> data;
-    std::size_t value_count() const {
-        return std::size_t(width) * std::size_t(height) * std::size_t(channels);
-    }
+    std::size_t value_count() const { return std::size_t(width) * std::size_t(height) * std::size_t(channels); }
 };
 
 // A named plane of floats, as a film or an EXR layer holds it.

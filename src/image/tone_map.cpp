@@ -27,8 +27,7 @@ vec3 aces(vec3 color) {
                                               -0.10208f, 1.10813f, -0.00605f,  //
                                               -0.00327f, -0.07276f, 1.07602f));
     const vec3 v = to_ap1 * color;
-    const vec3 fitted =
-        (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
+    const vec3 fitted = (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
     return from_ap1 * fitted;
 }
 
@@ -83,8 +82,7 @@ Image tone_mapped(const Image& linear, ToneMap tone_map, float exposure_stops) {
             } else {
                 pixel[0] = color.y;
             }
-            if (channels == 2 || channels == 4)
-                pixel[channels - 1] = std::min(sanitised(pixel[channels - 1]), 1.0f);
+            if (channels == 2 || channels == 4) pixel[channels - 1] = std::min(sanitised(pixel[channels - 1]), 1.0f);
         }
     });
     return result;

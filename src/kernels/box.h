@@ -23,7 +23,7 @@ struct SlabRay {
     vec3 lower_origin;  // subtracted from lower planes …
     vec3 upper_origin;  // … and from upper planes: a hair less where the direction is zero, so that faces are
                         // inside
-    vec3 inverse;  // of the direction, finite
+    vec3 inverse;       // of the direction, finite
     float t_min;
 };
 

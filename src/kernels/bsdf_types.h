@@ -26,7 +26,7 @@ struct Bsdf {
     vec3 energy;  // means over the hemisphere
 };
 
-const uint LOBE_DELTA = 1u;  // a mirror or a clear interface: `pdf` is the probability of having chosen it
+const uint LOBE_DELTA = 1u;         // a mirror or a clear interface: `pdf` is the probability of having chosen it
 const uint LOBE_TRANSMISSION = 2u;  // crosses the surface
 const uint LOBE_FAILED = 4u;        // no direction: the weight is 0, the path ends
 

@@ -1,7 +1,8 @@
 #ifndef SPINEL_KERNELS_CAMERA_H
 #define SPINEL_KERNELS_CAMERA_H
 // Thin-lens and orthographic cameras. The pixel filter is importance sampled (Ernst, Stamminger, Greiner, "Filter
-// Importance Sampling", 2006): a sample belongs to one pixel, so that crops and tiles are parts of the whole, bit by bit.
+// Importance Sampling", 2006): a sample belongs to one pixel, so that crops and tiles are parts of the whole, bit by
+// bit.
 #include "scene_view.h"
 #include "warp.h"
 KERNELS_BEGIN
@@ -15,8 +16,8 @@ const uint PIXEL_FILTER_BLACKMAN_HARRIS = 3u;  // Harris 1978, 4 terms, 92 dB
 FN float sample_pixel_filter(uint kind, float radius, float u) {
     if (kind == PIXEL_FILTER_BOX) return radius * (2.0f * u - 1.0f);
     if (kind == PIXEL_FILTER_TENT) return radius * interval_to_tent(u);
-    // The others by inverting their cumulative distribution, which is closed or close to it, x in [−1, 1]: Newton's steps
-    // inside a bracket that shrinks.
+    // The others by inverting their cumulative distribution, which is closed or close to it, x in [−1, 1]: Newton's
+    // steps inside a bracket that shrinks.
     float lo = -1.0f;
     float hi = 1.0f;
     float x = 0.0f;
@@ -28,7 +29,10 @@ FN float sample_pixel_filter(uint kind, float radius, float u) {
             float z = abs(x) * 3.0f * 0.70710678f;
             float t = 1.0f / (1.0f + 0.3275911f * z);
             float bell = exp(-z * z);
-            float erf = 1.0f - t * (0.254829592f + t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f)))) * bell;
+            float erf =
+                1.0f -
+                t * (0.254829592f + t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f)))) *
+                    bell;
             c = 0.5f + (x < 0.0f ? -0.5f : 0.5f) * erf / 0.9973002f;
             density = 3.0f * 0.39894228f * bell / 0.9973002f;
         } else {

@@ -5,9 +5,9 @@ KERNELS_BEGIN
 
 const float PI = 3.14159265358979323846f;
 const float INV_PI = 0.31830988618379067154f;
-const float INFINITE = 3.0e38f;           // "no hit": finite, since infinities are not portable between devices
+const float INFINITE = 3.0e38f;               // "no hit": finite, since infinities are not portable between devices
 const float ONE_MINUS_EPSILON = 0.99999994f;  // the largest float below 1
-const uint NONE = 0xffffffffu;            // no index
+const uint NONE = 0xffffffffu;                // no index
 
 FN float luminance(vec3 c) { return dot(c, vec3(0.2126f, 0.7152f, 0.0722f)); }  // Rec.709
 FN float max_component(vec3 v) { return max(v.x, max(v.y, v.z)); }

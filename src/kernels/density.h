@@ -11,7 +11,8 @@ const uint EROSION_FBM = 2u;    // max(0, 5·strength·F(frequency·p) − 2), F
 
 FN float grid_sample(const_in(SceneView) scene, const_in(DensityGrid) grid, ivec3 i) {
     if (i.x < 0 || i.y < 0 || i.z < 0 || i.x >= grid.size.x || i.y >= grid.size.y || i.z >= grid.size.z) return 0.0f;
-    return scene.floats.at[grid.value_first + uint(i.x) + uint(grid.size.x) * (uint(i.y) + uint(grid.size.y) * uint(i.z))];
+    return scene.floats
+        .at[grid.value_first + uint(i.x) + uint(grid.size.x) * (uint(i.y) + uint(grid.size.y) * uint(i.z))];
 }
 
 // p in index space: sample i sits at i + ½, outside there is nothing.

@@ -1,7 +1,8 @@
 #ifndef SPINEL_KERNELS_DEVICE_H
 #define SPINEL_KERNELS_DEVICE_H
 // What the physics asks of a device: rays against the scene. The reference walks (traverse.h) define these for every
-// device; a device with faster walks of its own defines SPINEL_DEVICE_TRAVERSAL before it includes a kernel and supplies them.
+// device; a device with faster walks of its own defines SPINEL_DEVICE_TRAVERSAL before it includes a kernel and
+// supplies them.
 #include "scene_view.h"
 KERNELS_BEGIN
 

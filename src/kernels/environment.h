@@ -1,7 +1,7 @@
 #ifndef SPINEL_KERNELS_ENVIRONMENT_H
 #define SPINEL_KERNELS_ENVIRONMENT_H
-// Light from infinitely far away, as an equirectangular image, importance sampled by luminance (Pharr, Jakob, Humphreys,
-// "Physically Based Rendering", 4th ed., 12.5).
+// Light from infinitely far away, as an equirectangular image, importance sampled by luminance (Pharr, Jakob,
+// Humphreys, "Physically Based Rendering", 4th ed., 12.5).
 #include "scene_view.h"
 KERNELS_BEGIN
 
@@ -66,8 +66,8 @@ FN float environment_pdf(const_in(SceneView) scene, vec3 direction) {
     uint row = e.conditional_first + y * (e.width + 1u);
     float p_row = scene.floats.at[e.marginal_first + y + 1u] - scene.floats.at[e.marginal_first + y];
     float p_column = scene.floats.at[row + x + 1u] - scene.floats.at[row + x];
-    float solid_angle = 2.0f * PI / float(e.width) *
-                        (cos(PI * float(y) / float(e.height)) - cos(PI * float(y + 1u) / float(e.height)));
+    float solid_angle =
+        2.0f * PI / float(e.width) * (cos(PI * float(y) / float(e.height)) - cos(PI * float(y + 1u) / float(e.height)));
     return p_row * p_column / solid_angle;
 }
 
@@ -83,7 +83,8 @@ FN vec3 environment_sample(const_in(SceneView) scene, vec2 u) {
     uint x = cumulative_find(scene, row, e.width, u.x);
     c0 = scene.floats.at[row + x];
     c1 = scene.floats.at[row + x + 1u];
-    float phi = 2.0f * PI * (float(x) + clamp((u.x - c0) / max(c1 - c0, 1.0e-30f), 0.0f, ONE_MINUS_EPSILON)) / float(e.width);
+    float phi =
+        2.0f * PI * (float(x) + clamp((u.x - c0) / max(c1 - c0, 1.0e-30f), 0.0f, ONE_MINUS_EPSILON)) / float(e.width);
     float sin_theta = safe_sqrt(1.0f - cos_theta * cos_theta);
     return transpose(e.world_to_local) * vec3(sin(phi) * sin_theta, cos_theta, -cos(phi) * sin_theta);
 }

@@ -31,9 +31,7 @@ FN Frame make_frame_along(vec3 z, vec3 tangent) {
     return Frame(x, cross(z, x), z);
 }
 
-FN vec3 to_local(const_in(Frame) frame, vec3 v) {
-    return vec3(dot(v, frame.x), dot(v, frame.y), dot(v, frame.z));
-}
+FN vec3 to_local(const_in(Frame) frame, vec3 v) { return vec3(dot(v, frame.x), dot(v, frame.y), dot(v, frame.z)); }
 FN vec3 to_world(const_in(Frame) frame, vec3 v) { return v.x * frame.x + v.y * frame.y + v.z * frame.z; }
 
 KERNELS_END

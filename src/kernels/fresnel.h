@@ -13,8 +13,7 @@ FN float refracted_cosine(float cos_incident, float relative_ior) {
 FN float fresnel_dielectric(float cos_incident, float relative_ior) {
     float cos_transmitted = refracted_cosine(cos_incident, relative_ior);
     if (cos_transmitted == 0.0f) return 1.0f;
-    float parallel =
-        (relative_ior * cos_incident - cos_transmitted) / (relative_ior * cos_incident + cos_transmitted);
+    float parallel = (relative_ior * cos_incident - cos_transmitted) / (relative_ior * cos_incident + cos_transmitted);
     float perpendicular =
         (cos_incident - relative_ior * cos_transmitted) / (cos_incident + relative_ior * cos_transmitted);
     return clamp(0.5f * (sqr(parallel) + sqr(perpendicular)), 0.0f, 1.0f);
@@ -38,8 +37,7 @@ FN vec3 fresnel_conductor(float cos_incident, vec3 eta, vec3 k) {
     vec3 perpendicular = (a2b2 + vec3(c2) - 2.0f * c * a) / (a2b2 + vec3(c2) + 2.0f * c * a);
     vec3 t3 = c2 * a2b2 + vec3(s2 * s2);
     vec3 t4 = (2.0f * c * s2) * a;
-    return clamp(0.5f * perpendicular * (vec3(1.0f) + (t3 - t4) / max(t3 + t4, vec3(1e-20f))), vec3(0.0f),
-                 vec3(1.0f));
+    return clamp(0.5f * perpendicular * (vec3(1.0f) + (t3 - t4) / max(t3 + t4, vec3(1e-20f))), vec3(0.0f), vec3(1.0f));
 }
 
 // Schlick's (1 − µ)⁵, "An Inexpensive BRDF Model for Physically-based Rendering", 1994.

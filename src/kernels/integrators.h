@@ -19,7 +19,8 @@ FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSetting
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
-FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel, uint index) {
+FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel,
+                         uint index) {
 #define SPINEL_INTEGRATOR_CASE(number, name, doc) \
     if (integrator == number) return integrate_##name(scene, settings, pixel, index);
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)

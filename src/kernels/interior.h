@@ -1,10 +1,10 @@
 #ifndef SPINEL_KERNELS_INTERIOR_H
 #define SPINEL_KERNELS_INTERIOR_H
 // What a path is inside of: a short multiset of interiors, updated at every boundary it crosses. Dielectrics nest by
-// priority (Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 7(2), 2002): where several overlap,
-// the highest priority is what is there, and boundaries of the others are not seen. Interiors without an index of
-// refraction are mere volumes of priority 0: they add to each other and to dielectrics of priority 0 or less, and are
-// displaced by dielectrics of a higher one.
+// priority (Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", JGT 7(2), 2002): where several
+// overlap, the highest priority is what is there, and boundaries of the others are not seen. Interiors without an index
+// of refraction are mere volumes of priority 0: they add to each other and to dielectrics of priority 0 or less, and
+// are displaced by dielectrics of a higher one.
 #include "scene_view.h"
 KERNELS_BEGIN
 
@@ -13,7 +13,7 @@ const uint MAX_INSIDE = 8u;
 struct Inside {
     uint entries[8];  // interior indices
     uint count;
-    uint dropped;     // entries that found no room: a bias, so it is counted and reported
+    uint dropped;  // entries that found no room: a bias, so it is counted and reported
 };
 
 FN Inside inside_nothing() {
@@ -73,10 +73,10 @@ const uint MAX_MEDIA = 4u;
 struct ActiveMedia {
     uint ids[4];
     uint count;
-    vec3 absorption;    // of media flagged MEDIUM_ABSORBS_ONLY, attenuated in closed form
-    bool homogeneous;   // all of ids: attenuation has a closed form too
-    bool emissive;      // any of ids
-    bool overflow;      // more of them than there is room for: counted and reported
+    vec3 absorption;   // of media flagged MEDIUM_ABSORBS_ONLY, attenuated in closed form
+    bool homogeneous;  // all of ids: attenuation has a closed form too
+    bool emissive;     // any of ids
+    bool overflow;     // more of them than there is room for: counted and reported
 };
 
 FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {

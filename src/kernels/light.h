@@ -13,11 +13,11 @@ struct LightSample {
     vec3 radiance;   // incident; of delta lights everything but the cosine
     float pdf;       // 0: nothing arrives; of delta lights the probability of the light alone
     bool delta;
-    bool infinite;   // from infinitely far away: point means nothing
-    vec3 point;      // where it comes from …
-    vec3 normal;     // … the emitter's normal there (0: a point) …
-    float error;     // … and the rounding error of the point
-    float opacity;   // chance that a path which follows the direction meets the emitter; radiance holds it already
+    bool infinite;  // from infinitely far away: point means nothing
+    vec3 point;     // where it comes from …
+    vec3 normal;    // … the emitter's normal there (0: a point) …
+    float error;    // … and the rounding error of the point
+    float opacity;  // chance that a path which follows the direction meets the emitter; radiance holds it already
 };
 
 FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv) {
@@ -42,7 +42,8 @@ FN vec2 light_uv(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
     RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
     uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
     return (1.0f - b.x - b.y) * scene.attributes.at[mesh.vertex_first + v.x].uv +
-           b.x * scene.attributes.at[mesh.vertex_first + v.y].uv + b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
+           b.x * scene.attributes.at[mesh.vertex_first + v.y].uv +
+           b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
 }
 
 // 1 − cos of the half-angle under which a sphere is seen; stable for small and distant spheres.
@@ -67,8 +68,10 @@ FN LightSample infinite_light(vec3 direction, vec3 radiance, float pdf, bool del
 }
 
 // A point on an emissive surface; `opacity` of its material there.
-FN LightSample surface_light(vec3 direction, vec3 radiance, float pdf, vec3 point, vec3 normal, float magnitude, float opacity) {
-    return LightSample(direction, radiance * opacity, pdf, false, false, point, normal, magnitude * 9.5367432e-7f, opacity);
+FN LightSample surface_light(vec3 direction, vec3 radiance, float pdf, vec3 point, vec3 normal, float magnitude,
+                             float opacity) {
+    return LightSample(direction, radiance * opacity, pdf, false, false, point, normal, magnitude * 9.5367432e-7f,
+                       opacity);
 }
 
 FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from, vec2 u) {
@@ -113,7 +116,8 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
             vec3 direction = v / sqrt(l2);
             float cosine = abs(dot(direction, n));
             if (cosine <= 0.0f) return no_light();
-            return surface_light(direction, radiance, p * l2 / (cosine * light.area), light.position + light.radius * n, n, magnitude, opacity);
+            return surface_light(direction, radiance, p * l2 / (cosine * light.area), light.position + light.radius * n,
+                                 n, magnitude, opacity);
         }
         float k = sphere_one_minus_cos(light.radius, d2);
         vec3 direction = cone_direction(to / sqrt(d2), k, u);
@@ -121,7 +125,8 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
         float b = dot(to, direction);
         float disc = sqr(light.radius) - max(d2 - b * b, 0.0f);
         vec3 n = normalize((b - safe_sqrt(disc)) * direction - to);
-        return surface_light(direction, radiance, p / (2.0f * PI * k), light.position + light.radius * n, n, magnitude, opacity);
+        return surface_light(direction, radiance, p / (2.0f * PI * k), light.position + light.radius * n, n, magnitude,
+                             opacity);
     }
     // Flat emitters, uniform over the area.
     vec2 b = light.kind == LIGHT_TRIANGLE ? square_to_triangle(u) : u;
@@ -136,8 +141,8 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
     if (!(cosine > 1.0e-6f)) return no_light();
     float magnitude = max_component(abs(light.position) + abs(light.u) + abs(light.v));
     vec2 uv = light_uv(scene, light, b);
-    return surface_light(direction, material_emission(scene, light.material, uv), p * d2 / (cosine * light.area), point, light.direction,
-                         magnitude, material_opacity(scene, light.material, uv));
+    return surface_light(direction, material_emission(scene, light.material, uv), p * d2 / (cosine * light.area), point,
+                         light.direction, magnitude, material_opacity(scene, light.material, uv));
 }
 
 // u_light and u_keep are independent: what u_light leaves below its index has too few bits where lights are many.

@@ -1,7 +1,7 @@
 #ifndef SPINEL_KERNELS_LOCATE_H
 #define SPINEL_KERNELS_LOCATE_H
-// Which closed objects a point lies in. A voxel set is asked for the cell; of all else a ray to far away leaves each object
-// that holds the point once more than it enters it.
+// Which closed objects a point lies in. A voxel set is asked for the cell; of all else a ray to far away leaves each
+// object that holds the point once more than it enters it.
 #include "device.h"
 #include "surface.h"
 KERNELS_BEGIN

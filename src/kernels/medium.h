@@ -7,8 +7,8 @@
 //   Kutz, Habel, Li, Novák, "Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes", 2017
 //   Miller, Georgiev, Jarosz, "A Null-Scattering Path Integral Formulation of Light Transport", 2019
 //
-// A path picks one hero channel, whose extinction drives every random distance. Throughput and the path densities of all
-// three channels are kept relative to the hero's density:
+// A path picks one hero channel, whose extinction drives every random distance. Throughput and the path densities of
+// all three channels are kept relative to the hero's density:
 //   throughput  f_i / p_hero          radiance carried by channel i
 //   r_path      p_i / p_hero          density, had channel i been the hero
 //   r_light     the same for the path whose last vertex was chosen by light sampling
@@ -31,21 +31,24 @@ const uint MAX_MEDIUM_STEPS = 1u << 20u;  // of one segment: majorant cells and 
 struct MajorantWalk {
     float majorant;  // bound of the density from the current t to t_next
     float t_next;
-    float t_leave;   // of the grid's box
-    vec3 t_cross;    // where the next cell boundary lies on each axis
+    float t_leave;  // of the grid's box
+    vec3 t_cross;   // where the next cell boundary lies on each axis
     vec3 t_delta;
     ivec3 cell;
     ivec3 step;
     bool before_grid;  // still in the empty space in front of it
 };
 
-FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid, inout(MajorantWalk) w) {
-    uint index = uint(w.cell.x) + uint(grid.majorant_size.x) * (uint(w.cell.y) + uint(grid.majorant_size.y) * uint(w.cell.z));
+FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid,
+                      inout(MajorantWalk) w) {
+    uint index =
+        uint(w.cell.x) + uint(grid.majorant_size.x) * (uint(w.cell.y) + uint(grid.majorant_size.y) * uint(w.cell.z));
     w.majorant = scene.floats.at[grid.majorant_first + index] * m.density_bound;
     w.t_next = min(min(w.t_cross.x, min(w.t_cross.y, w.t_cross.z)), w.t_leave);
 }
 
-FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, vec3 origin, vec3 direction, float t_max) {
+FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, vec3 origin, vec3 direction,
+                               float t_max) {
     MajorantWalk w = MajorantWalk(1.0f, t_max, t_max, vec3(t_max), vec3(0.0f), ivec3(0), ivec3(0), false);
     if (m.grid == NONE) return w;
     RECORD(DensityGrid) grid = scene.grids.at[m.grid];
@@ -148,7 +151,8 @@ FN void media_walk_bound(const_in(SceneView) scene, const_in(ActiveMedia) media,
     }
 }
 
-FN MediaWalk media_walk_begin(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max) {
+FN MediaWalk media_walk_begin(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction,
+                              float t_max) {
     MediaWalk w;
     w.t = 0.0f;
     for (uint i = 0u; i < media.count; ++i)
@@ -190,7 +194,8 @@ struct MediumPick {
     vec3 scattering;
 };
 
-FN MediumPick pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p, vec3 scattering, float u) {
+FN MediumPick pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 p, vec3 scattering,
+                                     float u) {
     if (media.count == 1u) return MediumPick(media.ids[0], scattering);
     float total = 0.0f;
     for (uint i = 0u; i < media.count; ++i) {
@@ -235,21 +240,22 @@ FN vec3 homogeneous_emission(const_in(SceneView) scene, const_in(ActiveMedia) me
 struct MediumEvent {
     bool scattered;  // a real collision before t_max
     float t;
-    uint medium;     // whose phase function applies
-    vec3 emitted;    // radiance gathered on the way, weighted
+    uint medium;   // whose phase function applies
+    vec3 emitted;  // radiance gathered on the way, weighted
     bool bound_reached;
 };
 
-// Follows the segment (0, t_max) of a ray with unit direction: the first real collision, or passage. Weights are updated
-// for either; a collision multiplies by σs, so that absorption never ends a path by chance.
-FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
-                            inout(SpectralWeights) w, inout(Rng) rng) {
+// Follows the segment (0, t_max) of a ray with unit direction: the first real collision, or passage. Weights are
+// updated for either; a collision multiplies by σs, so that absorption never ends a path by chance.
+FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction,
+                            float t_max, inout(SpectralWeights) w, inout(Rng) rng) {
     MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f), media.overflow);
     if (media.count == 0u) {
         if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
         return event;
     }
-    if (media.emissive && media.homogeneous) event.emitted = homogeneous_emission(scene, media, t_max) * w.throughput / average(w.r_path);
+    if (media.emissive && media.homogeneous)
+        event.emitted = homogeneous_emission(scene, media, t_max) * w.throughput / average(w.r_path);
     MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
     float t = 0.0f;
     event.bound_reached = true;  // unless the loop ends of itself

@@ -81,8 +81,7 @@ FN bool mesh_any(const_in(SceneView) scene, uint mesh, Ray ray) {
             }
         } else {
             for (uint i = triangle_first + first; i < triangle_first + first + count; ++i) {
-                if (triangle_watertight(sheared, scene.triangles.at[i], ray.t_min, ray.t_max, ignored))
-                    return true;
+                if (triangle_watertight(sheared, scene.triangles.at[i], ray.t_min, ray.t_max, ignored)) return true;
             }
         }
         if (stack_size == 0u) return false;

@@ -29,9 +29,7 @@ FN float ggx_lambda(float alpha, vec3 w) {
 }
 FN float ggx_g1(float alpha, vec3 w) { return 1.0f / (1.0f + ggx_lambda(alpha, w)); }
 // Masking and shadowing, correlated by height.
-FN float ggx_g2(float alpha, vec3 wo, vec3 wi) {
-    return 1.0f / (1.0f + ggx_lambda(alpha, wo) + ggx_lambda(alpha, wi));
-}
+FN float ggx_g2(float alpha, vec3 wo, vec3 wi) { return 1.0f / (1.0f + ggx_lambda(alpha, wo) + ggx_lambda(alpha, wi)); }
 
 // A normal as seen from wo (wo.z > 0).
 FN vec3 ggx_sample(float alpha, vec3 wo, vec2 u) {

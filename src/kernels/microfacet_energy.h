@@ -48,8 +48,7 @@ FN float microfacet_table_2d(uint first, uint width, uint height, float x, float
     float fy = clamp(y, 0.0f, 1.0f) * float(height - 1u);
     uint iy = min(uint(fy), height - 2u);
     uint row = first + iy * width;
-    return mix(microfacet_table_1d(row, width, x), microfacet_table_1d(row + width, width, x),
-               fy - float(iy));
+    return mix(microfacet_table_1d(row, width, x), microfacet_table_1d(row + width, width, x), fy - float(iy));
 }
 FN float microfacet_table_3d(uint first, uint width, uint height, uint depth, float x, float y, float z) {
     float fz = clamp(z, 0.0f, 1.0f) * float(depth - 1u);
@@ -90,16 +89,14 @@ FN float ggx_multiple(float missing_o, float missing_i, float missing_average) {
 
 // Colour of that lobe: light that bounced at least twice, off microfacets of mean reflectance `fresnel`.
 FN vec3 ggx_multiple_tint(vec3 fresnel, float missing_average) {
-    return fresnel * fresnel * (1.0f - missing_average) /
-           max(vec3(1.0f) - fresnel * missing_average, vec3(1e-6f));
+    return fresnel * fresnel * (1.0f - missing_average) / max(vec3(1.0f) - fresnel * missing_average, vec3(1e-6f));
 }
 
 // Albedo of a single bounce with reflectance (1 − o·m)⁵, the other half of Schlick's Fresnel, given missing =
 // 1 − E(µ). The table holds the cosine that has this weight, relative to µ.
 FN float ggx_schlick_part(float roughness, float mu, float missing) {
     float x = microfacet_warp(max(mu, 0.0f), sqrt(microfacet_table_alpha(roughness)));
-    float shift =
-        microfacet_table_2d(GGX_SCHLICK_FIRST, GGX_SCHLICK_WIDTH, GGX_SCHLICK_HEIGHT, x, roughness) - 0.5f;
+    float shift = microfacet_table_2d(GGX_SCHLICK_FIRST, GGX_SCHLICK_WIDTH, GGX_SCHLICK_HEIGHT, x, roughness) - 0.5f;
     float c = clamp(1.0f - mu - shift, 0.0f, 1.0f);
     return (1.0f - missing) * c * c * c * c * c;
 }
@@ -114,20 +111,18 @@ FN float dielectric_missing(float roughness, float mu, float relative_ior) {
     float alpha = microfacet_table_alpha(roughness);
     mu = max(mu, 0.0f);
     if (relative_ior > 1.0f) {
-        return microfacet_table_3d(THIN_MISSING_FIRST, THIN_MISSING_WIDTH, DIELECTRIC_HEIGHT,
-                                   DIELECTRIC_DEPTH, sqrt(microfacet_warp(mu, alpha)), roughness,
+        return microfacet_table_3d(THIN_MISSING_FIRST, THIN_MISSING_WIDTH, DIELECTRIC_HEIGHT, DIELECTRIC_DEPTH,
+                                   sqrt(microfacet_warp(mu, alpha)), roughness,
                                    microfacet_ior_coordinate(relative_ior));
     }
     float n = 1.0f / relative_ior;
     return microfacet_table_3d(DENSE_MISSING_FIRST, DENSE_MISSING_WIDTH, DIELECTRIC_HEIGHT, DIELECTRIC_DEPTH,
-                               microfacet_critical_coordinate(mu, alpha, n), roughness,
-                               microfacet_ior_coordinate(n));
+                               microfacet_critical_coordinate(mu, alpha, n), roughness, microfacet_ior_coordinate(n));
 }
 FN float dielectric_missing_average(float roughness, float relative_ior) {
     uint first = relative_ior > 1.0f ? THIN_MISSING_AVERAGE_FIRST : DENSE_MISSING_AVERAGE_FIRST;
     float n = relative_ior > 1.0f ? relative_ior : 1.0f / relative_ior;
-    return microfacet_table_2d(first, DIELECTRIC_HEIGHT, DIELECTRIC_DEPTH, roughness,
-                               microfacet_ior_coordinate(n));
+    return microfacet_table_2d(first, DIELECTRIC_HEIGHT, DIELECTRIC_DEPTH, roughness, microfacet_ior_coordinate(n));
 }
 
 KERNELS_END

@@ -8,8 +8,9 @@
 //   path_shade      medium or surface: emission, next-event estimation (asks for a Connection), a new direction
 //   path_connect    the shadow ray, through media and past interfaces
 //
-// Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997, balance heuristic
-// in the one-sample form of Miller, Georgiev, Jarosz 2019 so that volumes and colour channels join in; see medium.h).
+// Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997, balance
+// heuristic in the one-sample form of Miller, Georgiev, Jarosz 2019 so that volumes and colour channels join in; see
+// medium.h).
 #include "camera.h"
 #include "device.h"
 #include "locate.h"
@@ -24,34 +25,34 @@ const uint MAX_PATH_SEGMENTS = 65536u;   // bounces and crossed interfaces of on
 const uint MAX_SHADOW_SEGMENTS = 4096u;  // interfaces crossed by one shadow ray
 
 const uint PATH_ALIVE = 1u;
-const uint PATH_SPECULAR = 2u;     // the last scattering was a delta: light sampling could not have made it
-const uint PATH_FIRST_SEEN = 4u;   // AOVs are recorded
+const uint PATH_SPECULAR = 2u;    // the last scattering was a delta: light sampling could not have made it
+const uint PATH_FIRST_SEEN = 4u;  // AOVs are recorded
 const uint PATH_BOUND_REACHED = 8u;
 
 struct PathState {
     Ray ray;
     SpectralWeights weights;
-    vec3 radiance;       // gathered
-    vec3 vertex;         // last scattering point: light sampling's receiver
-    float eta_scale;     // undoes the scaling of radiance by refraction for Russian roulette
+    vec3 radiance;    // gathered
+    vec3 vertex;      // last scattering point: light sampling's receiver
+    float eta_scale;  // undoes the scaling of radiance by refraction for Russian roulette
     int bounces;
     uint segments;
     uint flags;
     Inside inside;
     Sampler numbers;
-    Rng rng;             // for loops without a bound on their draws
+    Rng rng;  // for loops without a bound on their draws
     FirstHit first;
 };
 
 // A shadow ray that was asked for; value is what it carries if nothing is in the way.
 struct Connection {
     bool valid;
-    Ray ray;        // its end lies before the light; to infinity, or t_max = 1 with a direction as long as the way
-    vec3 value;     // throughput · scattering · radiance
-    vec3 r_path;    // relative densities, see medium.h
+    Ray ray;      // its end lies before the light; to infinity, or t_max = 1 with a direction as long as the way
+    vec3 value;   // throughput · scattering · radiance
+    vec3 r_path;  // relative densities, see medium.h
     vec3 r_light;
     Inside inside;
-    uint salt;      // of its own random numbers, so that shadow rays and paths do not wait for each other
+    uint salt;  // of its own random numbers, so that shadow rays and paths do not wait for each other
 };
 
 FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
@@ -80,7 +81,9 @@ FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) set
     return state;
 }
 
-FN Hit path_extend(const_in(SceneView) scene, const_in(PathState) state) { return trace_closest(scene, state.ray, TRACE_ALL); }
+FN Hit path_extend(const_in(SceneView) scene, const_in(PathState) state) {
+    return trace_closest(scene, state.ray, TRACE_ALL);
+}
 
 FN void path_end(inout(PathState) state) { state.flags &= ~PATH_ALIVE; }
 
@@ -107,7 +110,8 @@ FN void gather_infinite(const_in(SceneView) scene, const_in(PathSettings) settin
     for (uint i = 0u; i < scene.infinite_light_count; ++i) {
         RECORD(Light) light = scene.lights.at[i];
         if (light.kind == LIGHT_DIRECTIONAL && directional_seen(light, d))
-            gather(settings, state, light.radiance, scene.light_table.at[i].probability / (2.0f * PI * disc_one_minus_cos(light.radius)));
+            gather(settings, state, light.radiance,
+                   scene.light_table.at[i].probability / (2.0f * PI * disc_one_minus_cos(light.radius)));
     }
 }
 
@@ -115,8 +119,10 @@ FN Connection no_connection(const_in(PathState) state) {
     return Connection(false, state.ray, vec3(0.0f), vec3(0.0f), vec3(0.0f), state.inside, 0u);
 }
 
-// Asks for a shadow ray; scatter is f·|cos| or the phase function, pdf the density of its own sampling of that direction.
-FN Connection connection_to(const_in(PathState) state, const_in(LightSample) light, vec3 origin, vec3 scatter, float pdf) {
+// Asks for a shadow ray; scatter is f·|cos| or the phase function, pdf the density of its own sampling of that
+// direction.
+FN Connection connection_to(const_in(PathState) state, const_in(LightSample) light, vec3 origin, vec3 scatter,
+                            float pdf) {
     Connection c = no_connection(state);
     c.valid = !is_black(scatter) && !is_black(light.radiance);
     if (light.infinite) {
@@ -186,7 +192,8 @@ FN void cross_surface(const_in(SceneView) scene, const_in(Surface) s, inout(Path
     state.ray = Ray(leave_surface(scene, s, state.ray.direction), 0.0f, state.ray.direction, INFINITE);
 }
 
-FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, const_in(Hit) hit) {
+FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
+                         const_in(Hit) hit) {
     Connection c = no_connection(state);
     state.segments += 1u;
     if (state.segments >= MAX_PATH_SEGMENTS) {
@@ -197,8 +204,8 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     if (state.inside.count > 0u) {
         ActiveMedia media = active_media(scene, state.inside);
         if (media.count > 0u || !is_black(media.absorption)) {
-            MediumEvent event = sample_media(scene, media, state.ray.origin, state.ray.direction, is_hit(hit) ? hit.t : INFINITE,
-                                             state.weights, state.rng);
+            MediumEvent event = sample_media(scene, media, state.ray.origin, state.ray.direction,
+                                             is_hit(hit) ? hit.t : INFINITE, state.weights, state.rng);
             state.radiance += event.emitted;
             if (event.bound_reached) state.flags |= PATH_BOUND_REACHED;
             if (is_black(state.weights.throughput)) {
@@ -214,8 +221,8 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         return c;
     }
     Surface s = surface_at(scene, state.ray, hit);
-    // Interiors behind the surface. One that is left but was never entered (an open mesh seen from behind) is taken as if it
-    // had been.
+    // Interiors behind the surface. One that is left but was never entered (an open mesh seen from behind) is taken as
+    // if it had been.
     float n_ratio = 1.0f;
     Inside after = state.inside;
     if (s.leaves != NONE || s.enters != NONE) {
@@ -248,7 +255,8 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     vec3 emission = surface_emission(scene, s);
     if (!is_black(emission)) {
         // That the path met the emitter at all had the chance `opacity`; light sampling does not depend on it.
-        float pdf = light_pdf(scene, light_index, state.vertex, state.ray.direction, distance(state.vertex, s.position));
+        float pdf =
+            light_pdf(scene, light_index, state.vertex, state.ray.direction, distance(state.vertex, s.position));
         gather(settings, state, emission, pdf / opacity);
     }
 
@@ -257,7 +265,8 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     vec3 wo_local = to_local(frame, wo);
     if ((state.flags & PATH_FIRST_SEEN) == 0u) {
         state.flags |= PATH_FIRST_SEEN;
-        state.first = FirstHit(frame.z, distance(state.vertex, s.position), bsdf_albedo(bsdf, wo_local), scene.instances.at[s.instance].object);
+        state.first = FirstHit(frame.z, distance(state.vertex, s.position), bsdf_albedo(bsdf, wo_local),
+                               scene.instances.at[s.instance].object);
     }
     if (!next_bounce(settings, state)) return c;
 
@@ -318,7 +327,8 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
             if (scene.pass_through_count > 0u) hit = trace_closest(scene, ray, TRACE_PASS_THROUGH);
             if (c.inside.count > 0u) {
                 float way = hit.t == INFINITE ? INFINITE : hit.t * stretch;
-                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, w, rng)) state.flags |= PATH_BOUND_REACHED;
+                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, w, rng))
+                    state.flags |= PATH_BOUND_REACHED;
             }
             if (is_black(w.throughput)) return vec3(0.0f);
             if (!is_hit(hit)) {

@@ -7,9 +7,9 @@ KERNELS_BEGIN
 // What the first surface shows, for the auxiliary outputs; nothing where a medium scattered before.
 struct FirstHit {
     vec3 normal;
-    float depth;   // along the ray; 0: nothing was hit
+    float depth;  // along the ray; 0: nothing was hit
     vec3 albedo;
-    uint object;   // NONE: nothing was hit
+    uint object;  // NONE: nothing was hit
 };
 
 struct PixelSample {

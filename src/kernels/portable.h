@@ -31,11 +31,11 @@
 #define inout(T) T&
 #define const_in(T) const T&
 #define RECORD(T) const T&
-#define BUFFER(Name, T)    \
-    struct Name {          \
-        const T* at;       \
+#define BUFFER(Name, T) \
+    struct Name {       \
+        const T* at;    \
     };
-#define KERNELS_BEGIN        \
+#define KERNELS_BEGIN           \
     namespace spinel::kernels { \
     using namespace glm;
 #define KERNELS_END }

@@ -88,9 +88,9 @@ FN float sampler_1d(inout(Sampler) s) {
     return uint_to_unit_float(reverse_bits32(x));
 }
 
-// An independent stream, for loops without a known number of dimensions (null collisions). Counter-based, in the manner of
-// Salmon et al., "Parallel Random Numbers: As Easy as 1, 2, 3", 2011: the key permutes the hashed counter, so that streams
-// do not run into each other as those of one long cycle would.
+// An independent stream, for loops without a known number of dimensions (null collisions). Counter-based, in the manner
+// of Salmon et al., "Parallel Random Numbers: As Easy as 1, 2, 3", 2011: the key permutes the hashed counter, so that
+// streams do not run into each other as those of one long cycle would.
 struct Rng {
     uint key;
     uint counter;

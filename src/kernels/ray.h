@@ -14,14 +14,14 @@ struct Ray {
 
 // What a traversal knows of the nearest surface: enough to rebuild the rest (see surface.h), and no more.
 struct Hit {
-    float t;          // INFINITE: nothing was hit
-    uint instance;    // index into SceneView::instances
-    uint primitive;   // mesh: triangle, in the order of the acceleration structure; voxels: linear cell index of
-                      // the cell that was entered (or left, into air); sphere, plane, rectangle, SDF: 0; box: face 0 … 5
-    uint face;        // voxels: 2·axis + (1 if the outward normal points to +axis); otherwise 0
-    vec2 uv;          // mesh: barycentric weights of vertices 1 and 2; voxels, box, rectangle: position on the face in [0,1]²
-    ivec3 cell;       // voxels: the voxel that was hit, else 0
-    vec3 normal;      // geometric normal in local space, pointing out of the solid, not normalised
+    float t;         // INFINITE: nothing was hit
+    uint instance;   // index into SceneView::instances
+    uint primitive;  // mesh: triangle, in the order of the acceleration structure; voxels: linear cell index of
+                     // the cell that was entered (or left, into air); sphere, plane, rectangle, SDF: 0; box: face 0 … 5
+    uint face;  // voxels: 2·axis + (1 if the outward normal points to +axis); otherwise 0
+    vec2 uv;  // mesh: barycentric weights of vertices 1 and 2; voxels, box, rectangle: position on the face in [0,1]²
+    ivec3 cell;   // voxels: the voxel that was hit, else 0
+    vec3 normal;  // geometric normal in local space, pointing out of the solid, not normalised
 };
 
 FN Hit no_hit(float t_max) { return Hit(t_max, NONE, 0u, 0u, vec2(0.0f), ivec3(0), vec3(0.0f)); }

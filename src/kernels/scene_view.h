@@ -40,7 +40,7 @@ struct TriangleInfo {
 BUFFER(TriangleInfos, TriangleInfo)
 
 struct VertexAttributes {
-    vec3 normal;   // zero: none given, use the geometric normal
+    vec3 normal;  // zero: none given, use the geometric normal
     vec2 uv;
     vec4 tangent;  // xyz along +u, w the bitangent's sign; zero: none
     vec4 color;    // linear, multiplies the base colour; w is unused
@@ -51,7 +51,7 @@ struct Mesh {
     uint node_first;
     uint triangle_first;  // also indexes TriangleInfos
     uint triangle_count;
-    uint vertex_first;    // into Attributes
+    uint vertex_first;  // into Attributes
 };
 BUFFER(Meshes, Mesh)
 
@@ -69,13 +69,13 @@ struct SdfOp {
     uint target;  // register written
     uint a;       // registers read
     uint b;
-    vec4 data0;   // constants of the operation
+    vec4 data0;  // constants of the operation
     vec4 data1;
 };
 BUFFER(SdfOps, SdfOp)
 
 struct Sdf {
-    vec3 lower;       // bounds of the solid in local space
+    vec3 lower;  // bounds of the solid in local space
     uint op_first;
     vec3 upper;
     uint op_count;
@@ -93,13 +93,14 @@ struct Instance {
     uint slot_first;   // into SceneView::slots
     uint light_first;  // first light of this instance's emitters, NONE if none has a light
     uint light_count;
-    uint flags;        // INSTANCE_…
-    uint object;       // the user's object, for AOVs
+    uint flags;   // INSTANCE_…
+    uint object;  // the user's object, for AOVs
 };
 BUFFER(Instances, Instance)
 
-const uint INSTANCE_ENCLOSES = 2u;      // has an interior, and is not a voxel set
-const uint INSTANCE_PASS_THROUGH = 1u;  // some of it does not stop a shadow ray for sure: an interface without a material, or opacity < 1
+const uint INSTANCE_ENCLOSES = 2u;  // has an interior, and is not a voxel set
+const uint INSTANCE_PASS_THROUGH =
+    1u;  // some of it does not stop a shadow ray for sure: an interface without a material, or opacity < 1
 
 // What a material slot of an instance means.
 struct Slot {
@@ -109,7 +110,8 @@ struct Slot {
 BUFFER(Slots, Slot)
 
 // ---------------------------------------------------------------------------------------------------- media, volumes
-// What lies behind a surface. A path keeps a list of those it is inside of (interior.h). Equal interiors share one index.
+// What lies behind a surface. A path keeps a list of those it is inside of (interior.h). Equal interiors share one
+// index.
 struct Interior {
     uint medium;   // NONE: clear
     float ior;     // index of refraction; 0: not a dielectric, a mere volume whose extinction adds to what it overlaps
@@ -120,14 +122,14 @@ BUFFER(Interiors, Interior)
 const uint MEDIUM_ABSORBS_ONLY = 1u;  // homogeneous, no scattering, no emission: attenuated in closed form
 
 struct Medium {
-    vec3 scattering;      // σs per unit length at density 1
-    float g;              // Henyey–Greenstein asymmetry, −1 … 1
-    vec3 absorption;      // σa per unit length at density 1
-    uint grid;            // into SceneView::grids; NONE: density 1 everywhere
-    vec3 emission;        // radiance per unit length at density 1: the source term, not multiplied by σa
+    vec3 scattering;  // σs per unit length at density 1
+    float g;          // Henyey–Greenstein asymmetry, −1 … 1
+    vec3 absorption;  // σa per unit length at density 1
+    uint grid;        // into SceneView::grids; NONE: density 1 everywhere
+    vec3 emission;    // radiance per unit length at density 1: the source term, not multiplied by σa
     uint flags;
     mat4x3 world_to_grid;  // to the grid's index space, where sample i sits at i + ½
-    uint erosion;         // noise that eats the density, 0: none (density.h)
+    uint erosion;          // noise that eats the density, 0: none (density.h)
     float erosion_strength;
     float erosion_frequency;  // per unit of the grid's [0,1]³ box
     uint erosion_octaves;
@@ -144,7 +146,8 @@ struct DensityGrid {
     ivec3 size;
     uint value_first;     // into SceneView::floats, x fastest
     ivec3 majorant_size;  // coarse cells
-    uint majorant_first;  // into SceneView::floats: for each coarse cell the greatest density a look-up inside it can give
+    uint majorant_first;  // into SceneView::floats: for each coarse cell the greatest density a look-up inside it can
+                          // give
     uint filter_kind;     // FILTER_…
     int majorant_cell;    // edge of a coarse cell, in samples
 };
@@ -172,8 +175,8 @@ struct Material {
     uint emission_two_sided;  // 0: only the side of the outward normal emits
     uint normal_texture;      // tangent space, NONE: none
     float normal_scale;
-    float opacity;            // 0 … 1: chance that a ray meets the surface at all
-    uint opacity_texture;     // channel a multiplies opacity
+    float opacity;         // 0 … 1: chance that a ray meets the surface at all
+    uint opacity_texture;  // channel a multiplies opacity
 };
 BUFFER(Materials, Material)
 
@@ -186,7 +189,7 @@ const uint WRAP_CLAMP = 1u;
 const uint WRAP_MIRROR = 2u;
 
 struct Texture {
-    uint kind;         // TEXTURE_…
+    uint kind;  // TEXTURE_…
     uint width;
     uint height;
     uint word_first;   // into SceneView::words, row 0 at v = 1 (the top of the image)
@@ -203,7 +206,7 @@ BUFFER(Textures, Texture)
 // --------------------------------------------------------------------------------------------------------------- light
 const uint LIGHT_POINT = 0u;
 const uint LIGHT_SPOT = 1u;
-const uint LIGHT_DIRECTIONAL = 2u;    // parallel light, or a disc of angular radius at infinity (the sun)
+const uint LIGHT_DIRECTIONAL = 2u;  // parallel light, or a disc of angular radius at infinity (the sun)
 const uint LIGHT_ENVIRONMENT = 3u;
 const uint LIGHT_TRIANGLE = 4u;       // one triangle of an emissive mesh
 const uint LIGHT_PARALLELOGRAM = 5u;  // a face of an emissive voxel or box, a rectangle
@@ -211,34 +214,34 @@ const uint LIGHT_SPHERE = 6u;
 
 struct Light {
     uint kind;
-    uint instance;    // of an emissive surface, else NONE
-    uint primitive;   // triangle in the BVH's order, or box face; voxels: linear cell index · 6 + face
-    uint material;    // whose emission it sends, NONE: radiance below
-    vec3 position;    // point, spot; a corner; the sphere's centre
-    vec3 u;           // edges from the corner (triangle: to vertices 1 and 2)
+    uint instance;   // of an emissive surface, else NONE
+    uint primitive;  // triangle in the BVH's order, or box face; voxels: linear cell index · 6 + face
+    uint material;   // whose emission it sends, NONE: radiance below
+    vec3 position;   // point, spot; a corner; the sphere's centre
+    vec3 u;          // edges from the corner (triangle: to vertices 1 and 2)
     vec3 v;
     vec3 direction;   // that light travels in (spot, directional); outward unit normal of a flat emitter
     vec3 radiance;    // [W/(sr·m²)]; point, spot: intensity [W/sr]; directional without size: irradiance [W/m²]
     float radius;     // sphere; directional: angular radius [rad], 0: a delta
     float cos_inner;  // spot: full intensity inside, none outside, smooth between
     float cos_outer;
-    float area;       // of a flat emitter
+    float area;  // of a flat emitter
     uint two_sided;
 };
 BUFFER(Lights, Light)
 
 // Alias method (Walker 1974, Vose 1991): one uniform number picks a light in O(1).
 struct AliasEntry {
-    float threshold;     // keep this entry if the fraction is below
+    float threshold;  // keep this entry if the fraction is below
     uint alias;
-    float probability;   // of this entry in all
+    float probability;  // of this entry in all
 };
 BUFFER(AliasEntries, AliasEntry)
 
 // Equirectangular radiance; row 0 is straight up (+y), u = 0 looks along −z and grows towards +x … with a
 // piecewise-constant density for sampling: row by `marginal`, column by `conditional`.
 struct Environment {
-    uint width;   // 0: no environment, nothing but black
+    uint width;  // 0: no environment, nothing but black
     uint height;
     uint radiance_first;     // floats, rgb interleaved
     uint marginal_first;     // floats, height + 1 values of the cumulative distribution
@@ -270,10 +273,10 @@ struct Camera {
 // The whole scene.
 struct SceneView {
     Instances instances;
-    BvhNodes instance_nodes;   // top-level BVH; its leaves index instance_order
+    BvhNodes instance_nodes;  // top-level BVH; its leaves index instance_order
     Words instance_order;
     Slots slots;
-    BvhNodes nodes;            // of all meshes
+    BvhNodes nodes;  // of all meshes
     Triangles triangles;
     TriangleInfos triangle_infos;
     Attributes attributes;
@@ -293,12 +296,12 @@ struct SceneView {
     Environment environment;
     Camera camera;
     uint instance_count;
-    uint bounded_count;        // instances under the top-level BVH
-    uint unbounded_count;      // planes: instance_order[bounded_count …] are tested one by one
+    uint bounded_count;    // instances under the top-level BVH
+    uint unbounded_count;  // planes: instance_order[bounded_count …] are tested one by one
     uint light_count;
-    uint infinite_light_count;   // environment and directional lights stand first in lights
-    uint pass_through_count;   // instances a shadow ray must look at one by one; 0: any hit is a shadow
-    float scene_radius;        // of the bounding sphere of all that is bounded
+    uint infinite_light_count;  // environment and directional lights stand first in lights
+    uint pass_through_count;    // instances a shadow ray must look at one by one; 0: any hit is a shadow
+    float scene_radius;         // of the bounding sphere of all that is bounded
     vec3 scene_center;
     uint camera_inside_count;  // interiors that the camera starts in …
     uint camera_inside_first;  // … in words

@@ -63,9 +63,7 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
             case SDF_OP_SUBTRACT: value = max(values.at[op.a], -values.at[op.b]); break;
             case SDF_OP_SMOOTH_MIN: value = sdf_smooth_min(values.at[op.a], values.at[op.b], d.x); break;
             case SDF_OP_SMOOTH_MAX: value = -sdf_smooth_min(-values.at[op.a], -values.at[op.b], d.x); break;
-            case SDF_OP_SMOOTH_SUBTRACT:
-                value = -sdf_smooth_min(-values.at[op.a], values.at[op.b], d.x);
-                break;
+            case SDF_OP_SMOOTH_SUBTRACT: value = -sdf_smooth_min(-values.at[op.a], values.at[op.b], d.x); break;
             case SDF_OP_MULTIPLY: value = values.at[op.a] * d.x; break;
             case SDF_OP_OFFSET: value = values.at[op.a] - d.x; break;
             case SDF_OP_SHELL: value = abs(values.at[op.a]) - d.x; break;
@@ -95,8 +93,7 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
 
 struct SdfDualPoints {
     vec3 at[SDF_POINT_REGISTERS];
-    mat3
-        jacobian[SDF_POINT_REGISTERS];  // column i: derivative by component i of the point that was asked for
+    mat3 jacobian[SDF_POINT_REGISTERS];  // column i: derivative by component i of the point that was asked for
 };
 struct SdfDualValues {
     vec4 at[SDF_VALUE_REGISTERS];  // gradient, value
@@ -133,8 +130,8 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
                     break;
                 }
                 case SDF_OP_ELONGATE: {
-                    vec3 moves = vec3(abs(q.x) > d.x ? 1.0f : 0.0f, abs(q.y) > d.y ? 1.0f : 0.0f,
-                                      abs(q.z) > d.z ? 1.0f : 0.0f);
+                    vec3 moves =
+                        vec3(abs(q.x) > d.x ? 1.0f : 0.0f, abs(q.y) > d.y ? 1.0f : 0.0f, abs(q.z) > d.z ? 1.0f : 0.0f);
                     q = q - clamp(q, -d3, d3);
                     j = mat3(j[0] * moves, j[1] * moves, j[2] * moves);
                     break;
@@ -219,8 +216,7 @@ FN SdfSegment sdf_clip(const_in(Sdf) sdf, Ray ray, float t_max) {
     float speed = length(ray.direction);
     if (!(speed > 1.0e-18f)) return segment;
     vec3 d = ray.direction;
-    float least =
-        1.0e-12f * speed;  // a zero component, replaced, moves the clip by far less than the bounds' margin
+    float least = 1.0e-12f * speed;  // a zero component, replaced, moves the clip by far less than the bounds' margin
     d.x = abs(d.x) > least ? d.x : least;
     d.y = abs(d.y) > least ? d.y : least;
     d.z = abs(d.z) > least ? d.z : least;
@@ -388,8 +384,7 @@ FN bool sdf_any(const_in(SceneView) scene, uint sdf, Ray ray) {
 // by `distance`, or by as many times that (a power of two) as it takes for f to have that side's sign there.
 // Where the solid or the gap is thinner than that: by a fraction of it. p moved by `distance` if even that
 // fails.
-FN vec3 sdf_offset_point(const_in(SceneView) scene, uint sdf, vec3 p, vec3 normal, float side,
-                         float distance) {
+FN vec3 sdf_offset_point(const_in(SceneView) scene, uint sdf, vec3 p, vec3 normal, float side, float distance) {
     vec3 direction = side * sdf_unit(normal);
     float further = distance;
     float nearer = distance;

@@ -51,7 +51,7 @@ const uint SDF_OP_FAR = 20u;
 // Branch and bound. If P[b] is outside of a box (centre data0.xyz, half edges data1.xyz) and all that the
 // next `target` instructions would fold into V[a] is worth too much to count, they are skipped: the result is
 // the same, exactly.
-const uint SDF_OP_SKIP_UNION = 21u;  // they fold by (smooth) minimum: distance · data1.w ≥ data0.w + V[a]
+const uint SDF_OP_SKIP_UNION = 21u;     // they fold by (smooth) minimum: distance · data1.w ≥ data0.w + V[a]
 const uint SDF_OP_SKIP_SUBTRACT = 22u;  // they are subtracted: distance · data1.w ≥ data0.w − V[a]
 
 FN vec3 sdf_rotate(vec4 q, vec3 p) {
@@ -104,9 +104,7 @@ FN vec4 sdf_box_gradient(vec3 p, vec3 half_edges) {
     return vec4(g, length(outside) + min(max_component(q), 0.0f));
 }
 
-FN float sdf_torus(vec3 p, float ring, float tube) {
-    return length(vec2(length(vec2(p.x, p.z)) - ring, p.y)) - tube;
-}
+FN float sdf_torus(vec3 p, float ring, float tube) { return length(vec2(length(vec2(p.x, p.z)) - ring, p.y)) - tube; }
 FN vec4 sdf_torus_gradient(vec3 p, float ring, float tube) {
     float radius = length(vec2(p.x, p.z));
     vec3 g = sdf_unit(vec3(radius - ring, p.y, 0.0f));

@@ -39,8 +39,7 @@ FN vec3 sky_densities(float height) {
 
 // Transmittance over a column: densities integrated along it, in km.
 FN vec3 sky_transmittance(vec3 column, float haze) {
-    vec3 depth = sky_air_scattering() * column.x +
-                 vec3((SKY_HAZE_SCATTERING + SKY_HAZE_ABSORPTION) * haze * column.y) +
+    vec3 depth = sky_air_scattering() * column.x + vec3((SKY_HAZE_SCATTERING + SKY_HAZE_ABSORPTION) * haze * column.y) +
                  sky_ozone_absorption() * column.z;
     return exp(-depth);
 }
@@ -118,8 +117,7 @@ FN vec3 sun_irradiance(vec3 to_sun, float haze) {
 // Radiance from a direction, the sun's disc left out. Below the horizon the sky's lowest light passes
 // smoothly into that of a grey ground under this sun and sky.
 FN vec3 sky_radiance(vec3 direction, vec3 to_sun, float haze) {
-    if (direction.y >= 0.0f)
-        return sky_single_scattering(direction, to_sun, haze, SKY_VIEW_STEPS, SKY_SUN_STEPS);
+    if (direction.y >= 0.0f) return sky_single_scattering(direction, to_sun, haze, SKY_VIEW_STEPS, SKY_SUN_STEPS);
     vec3 horizontal = vec3(direction.x, 0.0f, direction.z);
     float length_squared = dot(horizontal, horizontal);
     // The sky's irradiance on the ground by four directions at 45°, the cosine-weighted middle of a
@@ -133,8 +131,8 @@ FN vec3 sky_radiance(vec3 direction, vec3 to_sun, float haze) {
     vec3 ground = irradiance * (SKY_GROUND_ALBEDO * INV_PI);
     float below = smoothstep(0.0f, 0.15f, -direction.y);
     if (below == 1.0f || length_squared == 0.0f) return ground;
-    vec3 horizon = sky_single_scattering(horizontal * inversesqrt(length_squared), to_sun, haze,
-                                         SKY_VIEW_STEPS, SKY_SUN_STEPS);
+    vec3 horizon =
+        sky_single_scattering(horizontal * inversesqrt(length_squared), to_sun, haze, SKY_VIEW_STEPS, SKY_SUN_STEPS);
     return mix(horizon, ground, below);
 }
 

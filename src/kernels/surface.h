@@ -1,7 +1,7 @@
 #ifndef SPINEL_KERNELS_SURFACE_H
 #define SPINEL_KERNELS_SURFACE_H
-// From a hit to what shading needs: position with its error, normals, texture coordinates, material, and which interiors
-// the ray leaves and enters there.
+// From a hit to what shading needs: position with its error, normals, texture coordinates, material, and which
+// interiors the ray leaves and enters there.
 #include "bsdf.h"
 #include "frame.h"
 #include "interior.h"
@@ -12,19 +12,19 @@ KERNELS_BEGIN
 
 struct Surface {
     vec3 position;
-    float error;           // bound of the position's rounding error: rays leave this far off
+    float error;            // bound of the position's rounding error: rays leave this far off
     vec3 geometric_normal;  // unit, outward
     vec3 normal;            // unit, for shading; on the outward side too
     vec3 tangent;           // unit or zero, along +u
     float bitangent_sign;   // of cross(normal, tangent)
     vec2 uv;
-    vec3 color;             // vertex colour
-    uint material;          // NONE: a mere interface
-    uint leaves;            // interiors on the side the ray comes from and goes to, as far as this surface decides them
+    vec3 color;     // vertex colour
+    uint material;  // NONE: a mere interface
+    uint leaves;    // interiors on the side the ray comes from and goes to, as far as this surface decides them
     uint enters;
-    bool entering;          // the ray runs against the outward normal
+    bool entering;  // the ray runs against the outward normal
     uint instance;
-    uint light_key;         // for light_of_primitive
+    uint light_key;  // for light_of_primitive
 };
 
 FN vec3 rotate_normal(const_in(Instance) instance, vec3 n) { return n * mat3(instance.world_to_object); }
@@ -213,7 +213,8 @@ FN Frame shading_frame(const_in(SceneView) scene, const_in(Surface) s, vec3 wo) 
             vec3 b = s.bitangent_sign * cross(n, t);
             vec4 texel = texture_at(scene, map, s.uv);
             float scale = scene.materials.at[s.material].normal_scale;
-            vec3 m = vec3((2.0f * texel.x - 1.0f) * scale, (2.0f * texel.y - 1.0f) * scale, max(2.0f * texel.z - 1.0f, 0.01f));
+            vec3 m = vec3((2.0f * texel.x - 1.0f) * scale, (2.0f * texel.y - 1.0f) * scale,
+                          max(2.0f * texel.z - 1.0f, 0.01f));
             n = normalize(m.x * t + m.y * b + m.z * n);
         }
     }

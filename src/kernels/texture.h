@@ -18,14 +18,16 @@ FN int wrap_coordinate(int i, int size, uint wrap) {
 
 // Linear RGBA of one texel; (x, y) may lie outside, row 0 is the top.
 FN vec4 texel_at(const_in(SceneView) scene, const_in(Texture) t, int x, int y) {
-    uint index = uint(wrap_coordinate(y, int(t.height), t.wrap)) * t.width + uint(wrap_coordinate(x, int(t.width), t.wrap));
+    uint index =
+        uint(wrap_coordinate(y, int(t.height), t.wrap)) * t.width + uint(wrap_coordinate(x, int(t.width), t.wrap));
     if (t.kind == TEXTURE_RGBA16F) {
         vec2 rg = unpackHalf2x16(scene.words.at[t.word_first + 2u * index]);
         vec2 ba = unpackHalf2x16(scene.words.at[t.word_first + 2u * index + 1u]);
         return vec4(rg.x, rg.y, ba.x, ba.y);
     }
     uint w = scene.words.at[t.word_first + index];
-    vec4 c = vec4(float(w & 255u), float((w >> 8u) & 255u), float((w >> 16u) & 255u), float(w >> 24u)) * (1.0f / 255.0f);
+    vec4 c =
+        vec4(float(w & 255u), float((w >> 8u) & 255u), float((w >> 16u) & 255u), float(w >> 24u)) * (1.0f / 255.0f);
     if (t.srgb != 0u) return vec4(srgb_to_linear(c.x), srgb_to_linear(c.y), srgb_to_linear(c.z), c.w);
     return c;
 }

@@ -51,8 +51,7 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     Hit hit = no_hit(ray.t_max);
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: return mesh_any(scene, geometry, local);
-        case GEOMETRY_VOXELS:
-            return voxels_any(scene, geometry, scene.instances.at[instance].slot_first, local);
+        case GEOMETRY_VOXELS: return voxels_any(scene, geometry, scene.instances.at[instance].slot_first, local);
         case GEOMETRY_SDF: return sdf_any(scene, geometry, local);
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
         case GEOMETRY_BOX: box_closest(local, hit); break;
@@ -102,8 +101,7 @@ FN Hit walk_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     }
     for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
         uint instance = scene.instance_order.at[i];
-        if (instance_admitted(scene.instances.at[instance].flags, mask))
-            instance_closest(scene, instance, ray, hit);
+        if (instance_admitted(scene.instances.at[instance].flags, mask)) instance_closest(scene, instance, ray, hit);
     }
     return hit;
 }
@@ -135,8 +133,7 @@ FN bool walk_any(const_in(SceneView) scene, Ray ray, uint mask) {
         } else {
             for (uint i = first; i < first + count; ++i) {
                 uint instance = scene.instance_order.at[i];
-                if (instance_admitted(scene.instances.at[instance].flags, mask) &&
-                    instance_any(scene, instance, ray)) {
+                if (instance_admitted(scene.instances.at[instance].flags, mask) && instance_any(scene, instance, ray)) {
                     return true;
                 }
             }
@@ -149,9 +146,7 @@ FN bool walk_any(const_in(SceneView) scene, Ray ray, uint mask) {
 }
 
 #ifndef SPINEL_DEVICE_TRAVERSAL
-FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
-    return walk_closest(scene, ray, mask);
-}
+FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) { return walk_closest(scene, ray, mask); }
 FN bool trace_occluded(const_in(SceneView) scene, Ray ray) { return walk_any(scene, ray, TRACE_SOLID); }
 #endif
 

@@ -52,9 +52,7 @@ FN float difference_of_products(float a, float b, float c, float d) {
 }
 #endif
 
-FN float exact_row(vec3 row, vec3 v) {
-    return multiply_add(row.x, v.x, multiply_add(row.y, v.y, row.z * v.z));
-}
+FN float exact_row(vec3 row, vec3 v) { return multiply_add(row.x, v.x, multiply_add(row.y, v.y, row.z * v.z)); }
 
 // The space in which the ray is the z axis, t grows along it at unit speed, and the origin is the ray's.
 struct TriangleRay {
@@ -71,17 +69,14 @@ FN TriangleRay triangle_ray(Ray ray) {
     // its sign.
     if (m.x >= m.y && m.x >= m.z) {
         float s = 1.0f / d.x;
-        return TriangleRay(ray.origin, vec3(-d.y * s, 1.0f, 0.0f), vec3(-d.z * s, 0.0f, 1.0f),
-                           vec3(s, 0.0f, 0.0f));
+        return TriangleRay(ray.origin, vec3(-d.y * s, 1.0f, 0.0f), vec3(-d.z * s, 0.0f, 1.0f), vec3(s, 0.0f, 0.0f));
     }
     if (m.y >= m.z) {
         float s = 1.0f / d.y;
-        return TriangleRay(ray.origin, vec3(0.0f, -d.z * s, 1.0f), vec3(1.0f, -d.x * s, 0.0f),
-                           vec3(0.0f, s, 0.0f));
+        return TriangleRay(ray.origin, vec3(0.0f, -d.z * s, 1.0f), vec3(1.0f, -d.x * s, 0.0f), vec3(0.0f, s, 0.0f));
     }
     float s = 1.0f / d.z;
-    return TriangleRay(ray.origin, vec3(1.0f, 0.0f, -d.x * s), vec3(0.0f, 1.0f, -d.y * s),
-                       vec3(0.0f, 0.0f, s));
+    return TriangleRay(ray.origin, vec3(1.0f, 0.0f, -d.x * s), vec3(0.0f, 1.0f, -d.y * s), vec3(0.0f, 0.0f, s));
 }
 
 struct TriangleHit {

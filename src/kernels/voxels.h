@@ -97,9 +97,8 @@ FN void voxels_closest(const_in(SceneView) scene, uint grid, uint slot_first, Ra
     if (!from_outside) t = ray.t_min;
     if (!(t < min_component(leave)) || t >= hit.t) return;
 
-    ivec3 cell =
-        ivec3(voxel_start(o.x, d.x, inverse.x, t, size.x), voxel_start(o.y, d.y, inverse.y, t, size.y),
-              voxel_start(o.z, d.z, inverse.z, t, size.z));
+    ivec3 cell = ivec3(voxel_start(o.x, d.x, inverse.x, t, size.x), voxel_start(o.y, d.y, inverse.y, t, size.y),
+                       voxel_start(o.z, d.z, inverse.z, t, size.z));
     uint index = voxel_linear(size, cell);
     uint palette = voxel_palette(scene, word_first, index);
     uint current = voxel_class(scene, slot_first, palette);

@@ -65,14 +65,10 @@ FN vec2 square_to_triangle(vec2 u) {
     float b = 0.5f * u.y;
     return vec2(u.x - b, b);
 }
-FN float square_to_triangle_pdf() {
-    return 2.0f;
-}  // per unit of barycentric area; divide by 2·area for a real one
+FN float square_to_triangle_pdf() { return 2.0f; }  // per unit of barycentric area; divide by 2·area for a real one
 
 // Tent over [−1, 1], density 1 − |x|.
-FN float interval_to_tent(float u) {
-    return u < 0.5f ? sqrt(2.0f * u) - 1.0f : 1.0f - sqrt(2.0f * (1.0f - u));
-}
+FN float interval_to_tent(float u) { return u < 0.5f ? sqrt(2.0f * u) - 1.0f : 1.0f - sqrt(2.0f * (1.0f - u)); }
 FN float interval_to_tent_pdf(float x) { return max(1.0f - abs(x), 0.0f); }
 
 // Two independent standard normal numbers. Box, Muller, 1958.

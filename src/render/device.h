@@ -13,9 +13,9 @@ namespace spinel {
 
 struct RenderPass {
     kernels::PathSettings settings;
-    std::uint32_t integrator = 0;    // row of kernels/integrators.h
-    std::uint32_t first_sample = 0;  // of every pixel …
-    std::uint32_t sample_count = 1;  // … and how many to add
+    std::uint32_t integrator = 0;                               // row of kernels/integrators.h
+    std::uint32_t first_sample = 0;                             // of every pixel …
+    std::uint32_t sample_count = 1;                             // … and how many to add
     const std::vector<std::uint8_t>* finished_tiles = nullptr;  // tiles to leave alone, see tile_count(); null: none
 };
 

@@ -1,8 +1,8 @@
 #include "render/film.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <functional>
 
 #include "kernels/constants.h"
@@ -94,7 +94,9 @@ const std::vector<AovRow>& aov_rows() {
         {{"object", "index of the first object that was seen, plus 1; 0 is the background"},
          {"object.id"},
          [](const FilmPixel& p, float* to) { *to = float(p.object); }},
-        {{"samples", "samples of the pixel"}, {"samples.count"}, [](const FilmPixel& p, float* to) { *to = float(p.count); }},
+        {{"samples", "samples of the pixel"},
+         {"samples.count"},
+         [](const FilmPixel& p, float* to) { *to = float(p.count); }},
         {{"variance", "variance of the pixel's mean luminance"},
          {"variance.Y"},
          [](const FilmPixel& p, float* to) { *to = float(p.error_variance()); }},

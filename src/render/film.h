@@ -21,8 +21,8 @@ struct FilmPixel {
     vec3 albedo = {0, 0, 0};
     double depth = 0;
     std::uint32_t hits = 0;
-    std::uint32_t count = 0;     // samples
-    std::uint32_t object = 0;    // of the first sample that hit something, plus 1; 0: background
+    std::uint32_t count = 0;   // samples
+    std::uint32_t object = 0;  // of the first sample that hit something, plus 1; 0: background
 
     // A sample that is not finite counts as black; gives false.
     bool add(const kernels::PixelSample& sample);
@@ -40,7 +40,7 @@ struct Crop {
 struct FilmBuffer {
     ivec2 size = {0, 0};  // of the whole picture
     Crop crop;
-    std::vector<FilmPixel> pixels;  // of the crop, row by row
+    std::vector<FilmPixel> pixels;    // of the crop, row by row
     std::uint64_t bound_reached = 0;  // samples cut by a safety bound
     std::uint64_t not_finite = 0;     // samples that were thrown away
 

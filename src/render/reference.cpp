@@ -90,8 +90,7 @@ Matter matter_at(const SceneView& scene, const kernels::VoxelGrid& grid, std::ui
     const std::uint32_t palette = (scene.words.at[grid.word_first + i / 4] >> (8 * (i % 4))) & 255u;
     if (palette == 0) return {};
     const kernels::Slot slot = scene.slots.at[slot_first + palette - 1];
-    return {.opaque = slot.interior == kernels::NONE && slot.material != kernels::NONE,
-            .interior = slot.interior};
+    return {.opaque = slot.interior == kernels::NONE && slot.material != kernels::NONE, .interior = slot.interior};
 }
 
 // All planes x = i, y = j, z = k cut the ray into pieces, each within one cell. The hit is where two
@@ -110,17 +109,13 @@ MaybeHit hit_voxels(const SceneView& scene, const kernels::VoxelGrid& grid, std:
             if (ray.admits(t)) crossings.push_back({t, axis});
         }
     }
-    std::sort(crossings.begin(), crossings.end(),
-              [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
-    const auto cell_between = [&](double t0, double t1) {
-        return glm::ivec3(glm::floor(ray.at(0.5 * (t0 + t1))));
-    };
+    std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
+    const auto cell_between = [&](double t0, double t1) { return glm::ivec3(glm::floor(ray.at(0.5 * (t0 + t1)))); };
     const auto place = [&](double t, const glm::ivec3& owner, int axis, bool positive) {
         const glm::dvec3 p = glm::clamp(ray.at(t) - dvec3(owner), 0.0, 1.0);
         const auto linear =
             std::uint32_t(owner.x) +
-            std::uint32_t(grid.size.x) *
-                (std::uint32_t(owner.y) + std::uint32_t(grid.size.y) * std::uint32_t(owner.z));
+            std::uint32_t(grid.size.x) * (std::uint32_t(owner.y) + std::uint32_t(grid.size.y) * std::uint32_t(owner.z));
         return LocalHit{.t = t,
                         .primitive = linear,
                         .face = std::uint32_t(2 * axis + (positive ? 1 : 0)),
@@ -129,8 +124,7 @@ MaybeHit hit_voxels(const SceneView& scene, const kernels::VoxelGrid& grid, std:
                         .normal = unit_axis(axis, positive ? 1 : -1)};
     };
 
-    const double after_first =
-        crossings.empty() ? ray.t_min + 1e-6 / glm::length(ray.direction) : crossings[0].t;
+    const double after_first = crossings.empty() ? ray.t_min + 1e-6 / glm::length(ray.direction) : crossings[0].t;
     glm::ivec3 cell = cell_between(ray.t_min, after_first);
     Matter matter = matter_at(scene, grid, slot_first, cell);
     if (matter.opaque) {
@@ -140,8 +134,7 @@ MaybeHit hit_voxels(const SceneView& scene, const kernels::VoxelGrid& grid, std:
     }
     for (std::size_t i = 0; i < crossings.size(); ++i) {
         const double t = crossings[i].t;
-        const double t_next =
-            i + 1 < crossings.size() ? crossings[i + 1].t : t + 1e-6 / glm::length(ray.direction);
+        const double t_next = i + 1 < crossings.size() ? crossings[i + 1].t : t + 1e-6 / glm::length(ray.direction);
         if (t_next == t) continue;  // an edge or a corner: the piece has no length
         const glm::ivec3 next_cell = cell_between(t, t_next);
         const Matter next = matter_at(scene, grid, slot_first, next_cell);

@@ -15,8 +15,7 @@ struct ReferenceHit {
 ReferenceHit reference_hit(const kernels::SceneView& scene, const kernels::Ray& ray, kernels::uint mask);
 
 // As rows of the table of accelerators.
-kernels::Hit brute_force_closest(const kernels::SceneView& scene, const kernels::Ray& ray,
-                                 kernels::uint mask);
+kernels::Hit brute_force_closest(const kernels::SceneView& scene, const kernels::Ray& ray, kernels::uint mask);
 bool brute_force_any(const kernels::SceneView& scene, const kernels::Ray& ray, kernels::uint mask);
 
 }  // namespace spinel

@@ -1,9 +1,9 @@
 #include "render/render.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "kernels/integrator_table.h"
 
@@ -43,10 +43,10 @@ Result<std::uint32_t> find_integrator(const std::string& name) {
 
 Result<Crop> checked_crop(Crop crop, ivec2 size) {
     if (crop.size() == ivec2(0)) return Crop{{0, 0}, size};
-    if (crop.lower.x < 0 || crop.lower.y < 0 || crop.upper.x > size.x || crop.upper.y > size.y ||
-        crop.size().x <= 0 || crop.size().y <= 0)
-        return Error{fmt::format("crop {},{} to {},{} is empty or not inside the film of {}x{}", crop.lower.x, crop.lower.y,
-                                 crop.upper.x, crop.upper.y, size.x, size.y)};
+    if (crop.lower.x < 0 || crop.lower.y < 0 || crop.upper.x > size.x || crop.upper.y > size.y || crop.size().x <= 0 ||
+        crop.size().y <= 0)
+        return Error{fmt::format("crop {},{} to {},{} is empty or not inside the film of {}x{}", crop.lower.x,
+                                 crop.lower.y, crop.upper.x, crop.upper.y, size.x, size.y)};
     return crop;
 }
 
@@ -81,8 +81,8 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     FilmBuffer& film = result.film;
     const bool open_ended = options.spp <= 0 && (options.time_limit > 0 || options.noise > 0);
     const std::uint32_t target = options.spp > 0 ? std::uint32_t(options.spp)
-                                 : open_ended   ? unlimited
-                                                : std::uint32_t(std::max(scene.integrator.spp, 1));
+                                 : open_ended    ? unlimited
+                                                 : std::uint32_t(std::max(scene.integrator.spp, 1));
     const ivec2 tiles = tile_count(film);
     std::vector<std::uint8_t> finished(std::size_t(tiles.x) * std::size_t(tiles.y), 0);
     RenderPass pass;
@@ -92,7 +92,9 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     pass.finished_tiles = &finished;
 
     const auto start = std::chrono::steady_clock::now();
-    const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+    const auto elapsed = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
     std::uint32_t done = 0;
     while (done < target) {
         pass.first_sample = done;

@@ -21,20 +21,15 @@ using kernels::SceneView;
 // here.
 constexpr Accelerator table[] = {
     {"bvh2", "binary BVH over triangles and over instances, stack walk",
-     [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
-         return kernels::walk_closest(scene, ray, mask);
-     },
-     [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
-         return kernels::walk_any(scene, ray, mask);
-     }},
+     [](const SceneView& scene, const Ray& ray, kernels::uint mask) { return kernels::walk_closest(scene, ray, mask); },
+     [](const SceneView& scene, const Ray& ray, kernels::uint mask) { return kernels::walk_any(scene, ray, mask); }},
     {"brute-force", "the naive twin: every primitive in double precision, to test the others against",
      brute_force_closest, brute_force_any},
 };
 
 bool is_usable(const Ray& ray) {
     const glm::vec3 o = ray.origin, d = ray.direction;
-    const float sum =
-        std::abs(o.x) + std::abs(o.y) + std::abs(o.z) + std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+    const float sum = std::abs(o.x) + std::abs(o.y) + std::abs(o.z) + std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
     return std::isfinite(sum) && !kernels::is_black(d) && ray.t_min < ray.t_max;
 }
 
@@ -79,13 +74,11 @@ TraceHit report(const SceneView& scene, const Hit& hit) {
     const kernels::Instance& instance = scene.instances.at[hit.instance];
     std::uint32_t primitive = hit.primitive;
     if (instance.geometry_kind == kernels::GEOMETRY_MESH) {
-        primitive =
-            scene.triangle_infos.at[scene.meshes.at[instance.geometry].triangle_first + primitive].primitive;
+        primitive = scene.triangle_infos.at[scene.meshes.at[instance.geometry].triangle_first + primitive].primitive;
     }
     // Normals go by the inverse transpose. In double: the square of a small triangle's normal may leave a
     // float's range.
-    const glm::dvec3 normal =
-        glm::normalize(glm::dvec3(hit.normal) * glm::dmat3(glm::mat3(instance.world_to_object)));
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(hit.normal) * glm::dmat3(glm::mat3(instance.world_to_object)));
     return {hit.t,           hit.instance,    primitive,  hit.uv.x,   hit.uv.y,   float(normal.x),
             float(normal.y), float(normal.z), hit.cell.x, hit.cell.y, hit.cell.z, material_of(scene, hit)};
 }
@@ -112,8 +105,7 @@ Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const
     parallel_for(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             // Distances beyond INFINITE, +∞ among them, mean "no limit".
-            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction,
-                          std::min(rays[i].t_max, kernels::INFINITE));
+            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction, std::min(rays[i].t_max, kernels::INFINITE));
             if (!is_usable(ray)) continue;
             if (options.any) {
                 if (any_material(scene, **accelerator, ray)) hits[i].t = 0;

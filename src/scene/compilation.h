@@ -13,7 +13,7 @@ struct Compilation {
     const Scene& scene;
     CompiledScene out = {};
     std::vector<kernels::uint> grid_of = {};  // Scene::grids → DensityGrids, NONE until used
-    float emission_rate = 0;             // for emissive media, per unit length: some collisions on the way through the scene
+    float emission_rate = 0;  // for emissive media, per unit length: some collisions on the way through the scene
     std::map<std::string, kernels::uint> media = {};  // records by their bytes, so that equals share one
     std::map<std::string, kernels::uint> interiors = {};
 

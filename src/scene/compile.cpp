@@ -1,7 +1,7 @@
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "accel/bvh_builder.h"
 #include "geometry/mesh/mesh_builder.h"
@@ -29,8 +29,9 @@ mat4x3 affine_inverse(const mat4x3& m) {
 bool is_similarity(const mat4x3& t) {
     const float xx = glm::dot(t[0], t[0]), yy = glm::dot(t[1], t[1]), zz = glm::dot(t[2], t[2]);
     const float tolerance = 2e-4f * xx;
-    return std::abs(yy - xx) <= tolerance && std::abs(zz - xx) <= tolerance && std::abs(glm::dot(t[0], t[1])) <= tolerance &&
-           std::abs(glm::dot(t[0], t[2])) <= tolerance && std::abs(glm::dot(t[1], t[2])) <= tolerance;
+    return std::abs(yy - xx) <= tolerance && std::abs(zz - xx) <= tolerance &&
+           std::abs(glm::dot(t[0], t[1])) <= tolerance && std::abs(glm::dot(t[0], t[2])) <= tolerance &&
+           std::abs(glm::dot(t[1], t[2])) <= tolerance;
 }
 
 kernels::SceneView CompiledScene::view() const {
@@ -77,7 +78,6 @@ namespace {
 using Shape = Compilation::Shape;
 
 constexpr std::size_t max_pool = 0xffffffffu;  // indices into words and floats are 32 bits
-
 
 mat4x3 scaling(vec3 s) { return mat4x3(vec3(s.x, 0, 0), vec3(0, s.y, 0), vec3(0, 0, s.z), vec3(0)); }
 
@@ -254,7 +254,8 @@ void add_instance(Compilation& c, std::size_t index) {
         const kernels::Slot slot{material < 0 ? NONE : uint(material), slot_interior(c, object, shape, material)};
         c.out.slots.push_back(slot);
         if (!is_solid(c.scene, material)) instance.flags |= kernels::INSTANCE_PASS_THROUGH;
-        if (slot.interior != NONE && shape.kind != kernels::GEOMETRY_VOXELS) instance.flags |= kernels::INSTANCE_ENCLOSES;
+        if (slot.interior != NONE && shape.kind != kernels::GEOMETRY_VOXELS)
+            instance.flags |= kernels::INSTANCE_ENCLOSES;
     }
     if (instance.flags & kernels::INSTANCE_PASS_THROUGH) ++c.out.pass_through_count;
     c.out.instances.push_back(instance);
@@ -306,8 +307,8 @@ kernels::Camera kernel_camera(const Camera& camera, const Film& film) {
     const vec3 x = glm::normalize(glm::cross(camera.up, z));
     const vec3 y = glm::cross(z, x);
     k.camera_to_world = mat4x3(camera.mirrored ? -x : x, y, z, camera.from);
-    k.half_height = camera.kind == Camera::Kind::orthographic ? 0.5f * camera.height
-                                                              : std::tan(0.5f * glm::radians(camera.fov));
+    k.half_height =
+        camera.kind == Camera::Kind::orthographic ? 0.5f * camera.height : std::tan(0.5f * glm::radians(camera.fov));
     k.lens_radius = camera.lens_radius;
     k.focus_distance = camera.focus_distance > 0 ? camera.focus_distance : glm::length(camera.at - camera.from);
     k.resolution = {film.size.x, film.size.y};
@@ -316,12 +317,13 @@ kernels::Camera kernel_camera(const Camera& camera, const Film& film) {
     return k;
 }
 
-// What the camera's rays start inside of: found once, or, where the ends of a lens or the corners of an orthographic picture
-// disagree, ray by ray.
+// What the camera's rays start inside of: found once, or, where the ends of a lens or the corners of an orthographic
+// picture disagree, ray by ray.
 Result<void> place_camera_inside(Compilation& c, const Camera& camera) {
     CompiledScene& out = c.out;
     const kernels::Inside inside = kernels::interiors_at(out.view(), camera.from);
-    if (inside.dropped > 0) return Error{fmt::format("the camera lies in more than {} nested objects", kernels::MAX_INSIDE)};
+    if (inside.dropped > 0)
+        return Error{fmt::format("the camera lies in more than {} nested objects", kernels::MAX_INSIDE)};
     const kernels::Camera& k = out.camera;
     const bool flat = k.kind == kernels::CAMERA_ORTHOGRAPHIC;
     const float y = flat ? k.half_height : k.lens_radius;
@@ -396,8 +398,10 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
         if (Result<void> placed = place_camera_inside(c, *camera); !placed) return placed.error();
     }
     if (out.words.size() > max_pool || out.floats.size() > max_pool)
-        return Error{fmt::format("the scene needs {} words of voxels and textures and {} of densities and environment; at most {} each "
-                                 "can be addressed", out.words.size(), out.floats.size(), max_pool)};
+        return Error{fmt::format(
+            "the scene needs {} words of voxels and textures and {} of densities and environment; at most {} each "
+            "can be addressed",
+            out.words.size(), out.floats.size(), max_pool)};
     return std::move(c.out);
 }
 

@@ -30,8 +30,7 @@ Equirect from_image(const ImageEnvironment& image) {
             const std::size_t at = i * std::size_t(p.channels) + std::size_t(p.channels >= 3 ? k : 0);
             if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&p.data))
                 rgb[k] = kernels::srgb_to_linear(float((*bytes)[at]) / 255.0f);
-            else
-                rgb[k] = finite(std::get<std::vector<float>>(p.data)[at]);
+            else rgb[k] = finite(std::get<std::vector<float>>(p.data)[at]);
         }
         map.radiance[i] = rgb * image.scale;
     }
@@ -54,8 +53,9 @@ Equirect from_sky(const SkyEnvironment& sky, vec3 to_sun) {
 // Density to sample each texel by: its luminance, smoothed by the reach of bilinear look-ups, times its solid angle.
 std::vector<double> texel_weights(const Equirect& map, bool smooth) {
     const auto at = [&](int x, int y) {
-        return double(kernels::luminance(map.radiance[std::size_t(glm::clamp(y, 0, map.height - 1)) * std::size_t(map.width) +
-                                                      std::size_t((x + map.width) % map.width)]));
+        return double(
+            kernels::luminance(map.radiance[std::size_t(glm::clamp(y, 0, map.height - 1)) * std::size_t(map.width) +
+                                            std::size_t((x + map.width) % map.width)]));
     };
     std::vector<double> weights(map.radiance.size());
     for (int y = 0; y < map.height; ++y) {
@@ -101,7 +101,8 @@ void add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool s
     std::vector<double> rows;
     e.conditional_first = uint(out.floats.size());
     for (int y = 0; y < map.height; ++y)
-        rows.push_back(append_cumulative(out.floats, weights.data() + std::size_t(y) * std::size_t(map.width), map.width));
+        rows.push_back(
+            append_cumulative(out.floats, weights.data() + std::size_t(y) * std::size_t(map.width), map.width));
     e.marginal_first = uint(out.floats.size());
     const double total = append_cumulative(out.floats, rows.data(), map.height);
     e.light = NONE;
@@ -116,7 +117,8 @@ void add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool s
 
 void add_sky(Compilation& c, const SkyEnvironment& sky) {
     const float elevation = glm::radians(sky.sun_elevation), azimuth = glm::radians(sky.sun_azimuth);
-    const vec3 to_sun(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth));
+    const vec3 to_sun(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                      std::cos(elevation) * std::cos(azimuth));
     add_map(c, from_sky(sky, to_sun), 0, true);
     if (!sky.sun) return;
     const vec3 irradiance = sky.scale * kernels::sun_irradiance(to_sun, sky.haze);
@@ -139,8 +141,7 @@ void add_environment(Compilation& c) {
         add_map(c, {1, 1, {constant->radiance}}, 0, false);
     else if (const auto* image = std::get_if<ImageEnvironment>(&c.scene.environment))
         add_map(c, from_image(*image), image->rotation, image->filter == Filter::linear);
-    else if (const auto* sky = std::get_if<SkyEnvironment>(&c.scene.environment))
-        add_sky(c, *sky);
+    else if (const auto* sky = std::get_if<SkyEnvironment>(&c.scene.environment)) add_sky(c, *sky);
 }
 
 }  // namespace spinel

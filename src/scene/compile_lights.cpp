@@ -26,8 +26,8 @@ bool emits(const CompiledScene& out, uint material) {
 }
 
 // A flat emitter from its corner and edges in local space; `outward` is its normal there.
-kernels::Light flat_light(const CompiledScene& out, uint kind, uint instance, uint primitive, uint material, vec3 corner, vec3 u,
-                          vec3 v, vec3 outward) {
+kernels::Light flat_light(const CompiledScene& out, uint kind, uint instance, uint primitive, uint material,
+                          vec3 corner, vec3 u, vec3 v, vec3 outward) {
     const kernels::Instance& placed = out.instances[instance];
     kernels::Light light = blank_light(kind);
     light.instance = instance;
@@ -51,14 +51,16 @@ void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint in
         const uint material = out.slots[placed.slot_first + out.triangle_infos[mesh.triangle_first + i].slot].material;
         if (!emits(out, material)) continue;
         const kernels::Triangle& t = out.triangles[mesh.triangle_first + i];
-        kernels::Light light = flat_light(out, kernels::LIGHT_TRIANGLE, instance, i, material, t.a, t.b - t.a, t.c - t.a,
-                                          glm::cross(t.b - t.a, t.c - t.a));
+        kernels::Light light = flat_light(out, kernels::LIGHT_TRIANGLE, instance, i, material, t.a, t.b - t.a,
+                                          t.c - t.a, glm::cross(t.b - t.a, t.c - t.a));
         if (!(light.area > 0)) continue;
         if (out.materials[material].emission_texture != NONE) {
             // Most of a textured emitter is often black: a triangle that is black all over needs no light.
             vec3 sum(0);
             for (int a = 0; a <= 4; ++a)
-                for (int b = 0; a + b <= 4; ++b) sum += kernels::material_emission(view, material, kernels::light_uv(view, light, vec2(float(a), float(b)) / 4.0f));
+                for (int b = 0; a + b <= 4; ++b)
+                    sum += kernels::material_emission(view, material,
+                                                      kernels::light_uv(view, light, vec2(float(a), float(b)) / 4.0f));
             if (kernels::is_black(sum)) continue;
             light.radiance = sum / 15.0f;
         }
@@ -84,7 +86,8 @@ void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, uint i
                     const uint across = kernels::voxel_at(view, grid, neighbour);
                     // Nothing reaches a face between two opaque cells, and equal media have none.
                     const uint there = kernels::voxel_class(view, placed.slot_first, across);
-                    if (there == kernels::VOXEL_OPAQUE || there == kernels::voxel_class(view, placed.slot_first, palette))
+                    if (there == kernels::VOXEL_OPAQUE ||
+                        there == kernels::voxel_class(view, placed.slot_first, palette))
                         continue;
                     if (across != 0 && !kernels::voxel_owns(view, placed.slot_first, palette, across)) continue;
                     vec3 corner(cell), u(0), v(0), normal(0);
@@ -145,8 +148,8 @@ double power_of(const CompiledScene& out, const kernels::Light& light) {
     }
 }
 
-// Power alone would nearly forget the sky beside the sun, and in the sun's shadow the sky is all there is. So a quarter of
-// the samples is shared evenly between the infinite lights, each by itself, and all others together.
+// Power alone would nearly forget the sky beside the sun, and in the sun's shadow the sky is all there is. So a quarter
+// of the samples is shared evenly between the infinite lights, each by itself, and all others together.
 std::vector<double> light_probabilities(const CompiledScene& out) {
     const std::size_t n = out.lights.size(), infinite = out.infinite_light_count;
     std::vector<double> power(n);
@@ -171,7 +174,8 @@ void add_infinite_and_point_lights(Compilation& c) {
             kernels::Light k = blank_light(kernels::LIGHT_DIRECTIONAL);
             k.direction = glm::normalize(d->direction);
             k.radius = glm::radians(d->angular_radius);
-            k.radiance = k.radius > 0 ? d->irradiance / (kernels::PI * kernels::sqr(std::sin(k.radius))) : d->irradiance;
+            k.radiance =
+                k.radius > 0 ? d->irradiance / (kernels::PI * kernels::sqr(std::sin(k.radius))) : d->irradiance;
             c.out.lights.push_back(k);
         }
     c.out.infinite_light_count = uint(c.out.lights.size());
@@ -199,7 +203,8 @@ void add_surface_lights(Compilation& c) {
     for (uint i = 0; i < out.instances.size(); ++i) {
         const Compilation::Shape& shape = c.shapes[std::size_t(c.scene.objects[i].geometry)];
         bool any = false;
-        for (std::size_t s = 0; s < shape.slot_count; ++s) any |= emits(out, out.slots[out.instances[i].slot_first + s].material);
+        for (std::size_t s = 0; s < shape.slot_count; ++s)
+            any |= emits(out, out.slots[out.instances[i].slot_first + s].material);
         if (!any) continue;
         const uint first = uint(out.lights.size());
         const kernels::Instance placed = out.instances[i];
@@ -213,12 +218,10 @@ void add_surface_lights(Compilation& c) {
                     out.materials[material].opacity_texture == NONE)
                     add_sphere_light(out, i, material);
                 break;
-            case kernels::GEOMETRY_BOX:
-                add_box_lights(out, i, material);
-                break;
+            case kernels::GEOMETRY_BOX: add_box_lights(out, i, material); break;
             case kernels::GEOMETRY_RECTANGLE:
-                out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, i, 0, material, {-1, 0, 1}, {2, 0, 0},
-                                                    {0, 0, -2}, {0, 1, 0}));
+                out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, i, 0, material, {-1, 0, 1},
+                                                {2, 0, 0}, {0, 0, -2}, {0, 1, 0}));
                 break;
             default: break;  // planes have no area, SDFs no parametrisation: found by following paths
         }

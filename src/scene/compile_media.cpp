@@ -15,7 +15,8 @@ using kernels::uint;
 // Records are plain bytes, filled from zero, so equal records have equal bytes.
 template <class T>
 uint add_shared(std::vector<T>& records, std::map<std::string, uint>& known, const T& record) {
-    const auto [at, fresh] = known.try_emplace(std::string(reinterpret_cast<const char*>(&record), sizeof record), uint(records.size()));
+    const auto [at, fresh] =
+        known.try_emplace(std::string(reinterpret_cast<const char*>(&record), sizeof record), uint(records.size()));
     if (fresh) records.push_back(record);
     return at->second;
 }
@@ -38,9 +39,11 @@ uint add_grid(Compilation& c, int index) {
     const ivec3 m = record.majorant_size;
     std::vector<float> majorants(std::size_t(m.x) * std::size_t(m.y) * std::size_t(m.z));
     const auto value = [&](int x, int y, int z) {
-        return grid.values[std::size_t(x) + std::size_t(grid.size.x) * (std::size_t(y) + std::size_t(grid.size.y) * std::size_t(z))];
+        return grid.values[std::size_t(x) +
+                           std::size_t(grid.size.x) * (std::size_t(y) + std::size_t(grid.size.y) * std::size_t(z))];
     };
-    // Linear interpolation at index-space p reads samples floor(p − ½) and the next: one sample beyond the cell each way.
+    // Linear interpolation at index-space p reads samples floor(p − ½) and the next: one sample beyond the cell each
+    // way.
     const int reach = grid.filter == Filter::nearest ? 0 : 1;
     parallel_for(std::size_t(m.z), 1, [&](std::size_t begin, std::size_t end) {
         for (int k = int(begin); k < int(end); ++k)
@@ -52,7 +55,8 @@ uint add_grid(Compilation& c, int index) {
                     for (int z = lo.z; z < hi.z; ++z)
                         for (int y = lo.y; y < hi.y; ++y)
                             for (int x = lo.x; x < hi.x; ++x) bound = std::max(bound, value(x, y, z));
-                    majorants[std::size_t(i) + std::size_t(m.x) * (std::size_t(j) + std::size_t(m.y) * std::size_t(k))] = bound;
+                    majorants[std::size_t(i) +
+                              std::size_t(m.x) * (std::size_t(j) + std::size_t(m.y) * std::size_t(k))] = bound;
                 }
     });
     c.out.floats.insert(c.out.floats.end(), majorants.begin(), majorants.end());
@@ -73,7 +77,9 @@ uint kernel_erosion(Erosion::Kind kind) {
 
 uint add_medium(Compilation& c, const kernels::Medium& medium) { return add_shared(c.out.media, c.media, medium); }
 
-uint add_interior(Compilation& c, const kernels::Interior& interior) { return add_shared(c.out.interiors, c.interiors, interior); }
+uint add_interior(Compilation& c, const kernels::Interior& interior) {
+    return add_shared(c.out.interiors, c.interiors, interior);
+}
 
 uint add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) {
     if (index < 0) return NONE;
@@ -90,8 +96,8 @@ uint add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) 
     record.emission_rate = kernels::is_black(medium.emission) ? 0.0f : c.emission_rate;
     if (medium.grid >= 0) {
         record.grid = add_grid(c, medium.grid);
-        record.world_to_grid = affine_inverse(
-            affine_product(object_to_world, c.scene.grids[std::size_t(medium.grid)].index_to_local));
+        record.world_to_grid =
+            affine_inverse(affine_product(object_to_world, c.scene.grids[std::size_t(medium.grid)].index_to_local));
         record.erosion = kernel_erosion(medium.erosion.kind);
         record.erosion_strength = medium.erosion.strength;
         record.erosion_frequency = medium.erosion.frequency;

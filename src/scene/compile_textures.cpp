@@ -46,7 +46,8 @@ kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& word
         t.srgb = image.srgb ? 1 : 0;
         words.reserve(words.size() + count);
         for (std::size_t i = 0; i < count; ++i) {
-            const auto p = rgba_of<std::uint8_t>(bytes->data() + i * std::size_t(pixels.channels), pixels.channels, 255);
+            const auto p =
+                rgba_of<std::uint8_t>(bytes->data() + i * std::size_t(pixels.channels), pixels.channels, 255);
             words.push_back(uint(p.x) | uint(p.y) << 8 | uint(p.z) << 16 | uint(p.w) << 24);
         }
     } else {
@@ -79,8 +80,7 @@ void add_textures(Compilation& c) {
     for (const Texture& texture : c.scene.textures) {
         if (const auto* image = std::get_if<ImageTexture>(&texture.data))
             c.out.textures.push_back(image_record(*image, c.out.words));
-        else
-            c.out.textures.push_back(checker_record(std::get<CheckerTexture>(texture.data)));
+        else c.out.textures.push_back(checker_record(std::get<CheckerTexture>(texture.data)));
     }
 }
 
@@ -94,7 +94,8 @@ vec3 mean_color(const CompiledScene& out, kernels::uint texture) {
     glm::dvec3 sum(0);
     double count = 0;
     for (int y = 0; y < int(t.height); y += step_y)
-        for (int x = 0; x < int(t.width); x += step_x, ++count) sum += glm::dvec3(vec3(kernels::texel_at(view, t, x, y)));
+        for (int x = 0; x < int(t.width); x += step_x, ++count)
+            sum += glm::dvec3(vec3(kernels::texel_at(view, t, x, y)));
     return vec3(sum / count);
 }
 

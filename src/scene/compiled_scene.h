@@ -1,5 +1,6 @@
 #pragma once
-// A scene frozen for rendering: flat arrays of kernel records. Immutable once compiled; share it freely between threads.
+// A scene frozen for rendering: flat arrays of kernel records. Immutable once compiled; share it freely between
+// threads.
 
 #include <cstdint>
 #include <string>
@@ -52,7 +53,7 @@ struct CompiledScene {
 };
 
 struct CompileOptions {
-    std::string camera;  // name; empty: the scene's first
+    std::string camera;   // name; empty: the scene's first
     ivec2 size = {0, 0};  // of the film; (0, 0): the scene's
 };
 

@@ -43,7 +43,8 @@ struct OutlineOf {
             for (int x = (y * 7) % step; x < n.x; x += step) {
                 int first = -1, last = -1;
                 for (int z = 0; z < n.z; ++z)
-                    if (voxels.cells[std::size_t(x) + std::size_t(n.x) * (std::size_t(y) + std::size_t(n.y) * std::size_t(z))]) {
+                    if (voxels.cells[std::size_t(x) +
+                                     std::size_t(n.x) * (std::size_t(y) + std::size_t(n.y) * std::size_t(z))]) {
                         if (first < 0) first = z;
                         last = z;
                     }
@@ -78,7 +79,8 @@ Camera framing_camera(const std::vector<vec3>& points, float aspect) {
     Camera camera;
     camera.name = "fitted";
     camera.fov = fov;
-    const vec3 back(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
+    const vec3 back(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                    std::cos(azimuth) * std::cos(elevation));
     const vec3 right = glm::normalize(glm::cross(vec3(0, 1, 0), back)), up = glm::cross(back, right);
     const float tan_y = std::tan(0.5f * glm::radians(fov)) / margin, tan_x = tan_y * aspect;
     vec3 lower(1e30f), upper(-1e30f);
@@ -93,12 +95,14 @@ Camera framing_camera(const std::vector<vec3>& points, float aspect) {
         for (const vec3& p : points) {
             const vec3 q = p - target;
             const float depth = glm::dot(q, back);
-            distance = std::max(distance, depth + std::max(std::abs(glm::dot(q, right)) / tan_x, std::abs(glm::dot(q, up)) / tan_y));
+            distance = std::max(
+                distance, depth + std::max(std::abs(glm::dot(q, right)) / tan_x, std::abs(glm::dot(q, up)) / tan_y));
         }
         vec2 low(1e30f), high(-1e30f);
         for (const vec3& p : points) {
             const vec3 q = p - target;
-            const vec2 seen = vec2(glm::dot(q, right), glm::dot(q, up)) / std::max(distance - glm::dot(q, back), 1e-6f * distance);
+            const vec2 seen =
+                vec2(glm::dot(q, right), glm::dot(q, up)) / std::max(distance - glm::dot(q, back), 1e-6f * distance);
             low = glm::min(low, seen);
             high = glm::max(high, seen);
         }
@@ -130,14 +134,16 @@ std::vector<vec3> outline_points(const Scene& scene) {
     std::vector<vec3> points;
     for (const Object& object : scene.objects)
         std::visit(OutlineOf{scene, object.transform, points}, scene.geometries[std::size_t(object.geometry)].data);
-    std::erase_if(points, [](const vec3& p) { return !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)); });
+    std::erase_if(points,
+                  [](const vec3& p) { return !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)); });
     return points;
 }
 
 void fit_camera(Scene& scene) {
     const std::vector<vec3> points = outline_points(scene);
     if (!points.empty())
-        scene.cameras.push_back(framing_camera(points, float(scene.film.size.x) / float(std::max(scene.film.size.y, 1))));
+        scene.cameras.push_back(
+            framing_camera(points, float(scene.film.size.x) / float(std::max(scene.film.size.y, 1))));
 }
 
 void complete_model(Scene& scene) {

@@ -33,15 +33,13 @@ void read_materials(JsonContext& context, const JsonValue& value);   // json_mat
 void read_geometries(JsonContext& context, const JsonValue& value);  // json_geometry.cpp
 GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const std::string& name);
 SdfGeometry read_sdf(JsonContext& context, const JsonValue& value, const std::string& what);  // json_sdf.cpp
-void read_objects(JsonContext& context, const JsonValue& value);  // json_objects.cpp
+void read_objects(JsonContext& context, const JsonValue& value);                              // json_objects.cpp
 mat4x3 read_transform(JsonContext& context, const JsonValue& value, const std::string& what);
 
 // Reads "file": the path behind the scene's folder.
 std::filesystem::path read_path(JsonContext& context, const JsonValue& value, const std::string& where);
 
-inline std::string named(const char* noun, const std::string& name) {
-    return std::string(noun) + " \"" + name + "\"";
-}
+inline std::string named(const char* noun, const std::string& name) { return std::string(noun) + " \"" + name + "\""; }
 
 // Puts the alternative that `record` stands for into `data`, in its initial state; returns its address.
 // Records stand in the order of the alternatives, from alternative `first` on.

@@ -47,8 +47,7 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
     bool end_object() override { return no_key_twice() && close(); }
     bool end_array() override { return close(); }
 
-    bool parse_error(std::size_t position, const std::string& token,
-                     const Json::exception& exception) override {
+    bool parse_error(std::size_t position, const std::string& token, const Json::exception& exception) override {
         // nlohmann tells the last character read; better is where its token begins, if that is what stands
         // there.
         const std::size_t last = std::min(position - std::min(position, std::size_t(1)), text_.size());
@@ -90,15 +89,13 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
 
     void place(JsonValue value) {
         if (open_.empty()) document_.root = std::move(value);
-        else if (auto* array = std::get_if<JsonValue::Array>(&open_.back().data))
-            array->push_back(std::move(value));
+        else if (auto* array = std::get_if<JsonValue::Array>(&open_.back().data)) array->push_back(std::move(value));
         else std::get<JsonValue::Object>(open_.back().data).back().value = std::move(value);
     }
 
     bool no_key_twice() {
         std::vector<const JsonMember*> members;
-        for (const JsonMember& member : std::get<JsonValue::Object>(open_.back().data))
-            members.push_back(&member);
+        for (const JsonMember& member : std::get<JsonValue::Object>(open_.back().data)) members.push_back(&member);
         std::stable_sort(members.begin(), members.end(), [](auto* a, auto* b) { return a->key < b->key; });
         const JsonMember* second = nullptr;
         for (std::size_t i = 1; i < members.size(); ++i)
@@ -109,8 +106,7 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
     }
 
     static bool is_word(char c) {
-        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == 'E' || c == '+' || c == '-' ||
-               c == '.';
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == 'E' || c == '+' || c == '-' || c == '.';
     }
 
     // To the next token, whose offset it returns.
@@ -172,8 +168,7 @@ std::string JsonValue::description() const {
     if (boolean()) return *boolean() ? "true" : "false";
     if (number()) return "a number";
     if (text()) return "the text \"" + (text()->size() > 40 ? text()->substr(0, 40) + "…" : *text()) + "\"";
-    if (array())
-        return array()->empty() ? "an empty array" : "an array of " + std::to_string(array()->size());
+    if (array()) return array()->empty() ? "an empty array" : "an array of " + std::to_string(array()->size());
     return "an object";
 }
 
@@ -184,15 +179,13 @@ Error JsonDocument::error(std::size_t offset, std::string_view message) const {
         else if ((std::uint8_t(text[i]) & 0xC0) != 0x80)  // not the continuation of a code point
             ++column;
     }
-    return Error{file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " +
-                 std::string(message)};
+    return Error{file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + std::string(message)};
 }
 
 Result<JsonDocument> parse_json(std::string text, std::string file) {
     if (text.size() > greatest_size)
         return Error{file + ": " + std::to_string(text.size() >> 20) + " MiB of JSON; at most " +
-                     std::to_string(greatest_size >> 20) +
-                     " MiB are read (keep large data in files of their own)"};
+                     std::to_string(greatest_size >> 20) + " MiB are read (keep large data in files of their own)"};
     JsonDocument document{std::move(file), std::move(text), {}};
     TreeBuilder builder(document);
     const bool strict = true, comments = true;

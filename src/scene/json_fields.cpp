@@ -25,8 +25,7 @@ std::vector<std::string> names_of(const Record& record, bool typed) {
 std::string list_names(const std::vector<std::string>& names) {
     constexpr std::size_t greatest_count = 40;
     std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), greatest_count); ++i)
-        list += (i ? ", " : "") + names[i];
+    for (std::size_t i = 0; i < std::min(names.size(), greatest_count); ++i) list += (i ? ", " : "") + names[i];
     if (names.size() > greatest_count) list += ", … (" + std::to_string(names.size()) + " in all)";
     return list;
 }
@@ -66,8 +65,7 @@ const Record* JsonReader::select(const JsonValue& value, const Family& family, c
     const JsonValue* type = value.find("type");
     if (type) {
         if (!type->text()) {
-            fail(*type,
-                 in("type", what) + " must be one of " + list_names(types) + ", not " + type->description());
+            fail(*type, in("type", what) + " must be one of " + list_names(types) + ", not " + type->description());
             return nullptr;
         }
         name = *type->text();
@@ -156,8 +154,7 @@ void JsonReader::texture(const JsonValue& value, const Field& row, void* target,
     if (index >= 0) *reinterpret_cast<kernels::uint*>(record + *row.texture) = kernels::uint(index);
 }
 
-std::optional<double> JsonReader::number(const JsonValue& value, const Range& range,
-                                         const std::string& where) {
+std::optional<double> JsonReader::number(const JsonValue& value, const Range& range, const std::string& where) {
     if (!value.number()) {
         fail(value, where + " must be a number, not " + value.description());
         return std::nullopt;
@@ -184,12 +181,11 @@ std::optional<int> JsonReader::integer(const JsonValue& value, const Range& rang
     return int(*x);
 }
 
-bool JsonReader::numbers(const JsonValue& value, std::size_t count, const Range& range,
-                         const std::string& where, float* out) {
+bool JsonReader::numbers(const JsonValue& value, std::size_t count, const Range& range, const std::string& where,
+                         float* out) {
     const JsonValue::Array* array = value.array();
     if (!array || array->size() != count) {
-        fail(value, where + " must be an array of " + std::to_string(count) + " numbers, not " +
-                        value.description());
+        fail(value, where + " must be an array of " + std::to_string(count) + " numbers, not " + value.description());
         return false;
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -242,8 +238,8 @@ std::optional<int> JsonReader::choice(const JsonValue& value, std::span<const st
     if (value.text())
         for (std::size_t i = 0; i < choices.size(); ++i)
             if (choices[i] == *value.text()) return int(i);
-    fail(value, where + " must be one of " + list_names({choices.begin(), choices.end()}) + ", not " +
-                    value.description());
+    fail(value,
+         where + " must be one of " + list_names({choices.begin(), choices.end()}) + ", not " + value.description());
     return std::nullopt;
 }
 
@@ -252,9 +248,8 @@ int JsonReader::reference(const JsonValue& value, const NameTable& table, const 
     if (!name) return -1;
     const auto found = table.indices.find(*name);
     if (found != table.indices.end()) return found->second;
-    fail(value,
-         where + ": no " + table.noun + " is named " + quoted(*name) +
-             (table.names.empty() ? "; the scene defines none" : "; defined: " + list_names(table.names)));
+    fail(value, where + ": no " + table.noun + " is named " + quoted(*name) +
+                    (table.names.empty() ? "; the scene defines none" : "; defined: " + list_names(table.names)));
     return -1;
 }
 

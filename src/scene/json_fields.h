@@ -60,8 +60,7 @@ class JsonReader {
     int reference(const JsonValue& value, const NameTable& table, const std::string& where);
 
     // Reads `count` numbers; true if all are there and right.
-    bool numbers(const JsonValue& value, std::size_t count, const Range& range, const std::string& where,
-                 float* out);
+    bool numbers(const JsonValue& value, std::size_t count, const Range& range, const std::string& where, float* out);
 
     // Calls `element(value, where)` for each element of an array.
     void elements(const JsonValue& value, const std::string& where,

@@ -16,15 +16,14 @@ bool has_no(JsonContext& context, const JsonValue& value, std::initializer_list<
     for (const JsonMember& member : *value.object())
         for (const char* key : keys)
             if (member.key == key) {
-                context.json.fail(member.offset,
-                                  "\"" + member.key + "\" of " + what + " excludes \"" + instead + "\"");
+                context.json.fail(member.offset, "\"" + member.key + "\" of " + what + " excludes \"" + instead + "\"");
                 return false;
             }
     return true;
 }
 
-const JsonValue* needed(JsonContext& context, const JsonValue& value, const char* key,
-                        const std::string& what, const std::string& otherwise) {
+const JsonValue* needed(JsonContext& context, const JsonValue& value, const char* key, const std::string& what,
+                        const std::string& otherwise) {
     const JsonValue* found = value.find(key);
     if (!found) context.json.fail(value, what + " needs \"" + key + "\"" + otherwise);
     return found;
@@ -46,8 +45,7 @@ std::vector<Vector> read_vectors(JsonContext& context, const JsonValue* value, s
 }
 
 template <class T>
-std::vector<T> read_integers(JsonContext& context, const JsonValue* value, int upper,
-                             const std::string& where) {
+std::vector<T> read_integers(JsonContext& context, const JsonValue* value, int upper, const std::string& where) {
     std::vector<T> integers;
     if (!value) return integers;
     if (value->array()) integers.reserve(value->array()->size());
@@ -75,12 +73,11 @@ MeshGeometry read_mesh(JsonContext& context, const JsonValue& value, const std::
     context.json.elements(*triangles, where, [&](const JsonValue& element, std::size_t) {
         uvec3 corners(0);
         if (!element.array() || element.array()->size() != 3)
-            context.json.fail(element,
-                              where + " must be arrays of 3 vertex indices, not " + element.description());
+            context.json.fail(element, where + " must be arrays of 3 vertex indices, not " + element.description());
         else
             for (int i = 0; i < 3; ++i)
-                corners[i] = kernels::uint(
-                    context.json.integer((*element.array())[std::size_t(i)], vertex, where).value_or(0));
+                corners[i] =
+                    kernels::uint(context.json.integer((*element.array())[std::size_t(i)], vertex, where).value_or(0));
         mesh.triangles.push_back(corners);
     });
     return mesh;
@@ -105,8 +102,7 @@ VoxelGeometry read_layers(JsonContext& context, const JsonValue& value, const st
             if (y == 0 && z == 0) voxels.size.x = int(text->size());
             if (int(text->size()) != voxels.size.x)
                 context.json.fail(row, where + ": a row of " + std::to_string(text->size()) +
-                                           " characters, but the first row has " +
-                                           std::to_string(voxels.size.x));
+                                           " characters, but the first row has " + std::to_string(voxels.size.x));
             for (const char c : *text)
                 if (palette_index(c) < 0)
                     context.json.fail(row, where + ": '" + std::string(1, c) +
@@ -116,8 +112,8 @@ VoxelGeometry read_layers(JsonContext& context, const JsonValue& value, const st
         const int depth = layer.array() ? int(layer.array()->size()) : 0;
         if (y == 0) voxels.size.z = depth;
         if (depth != voxels.size.z)
-            context.json.fail(layer, where + ": a layer of " + std::to_string(depth) +
-                                         " rows, but the first has " + std::to_string(voxels.size.z));
+            context.json.fail(layer, where + ": a layer of " + std::to_string(depth) + " rows, but the first has " +
+                                         std::to_string(voxels.size.z));
     });
     if (context.json.error()) return voxels;
     voxels.size.y = int(value.array()->size());
@@ -136,16 +132,14 @@ VoxelGeometry read_voxels(JsonContext& context, const JsonValue& value, const st
         return read_layers(context, *layers, what);
     }
     VoxelGeometry voxels;
-    const JsonValue* size =
-        needed(context, value, "size", what, " with \"cells\" (or \"layers\" or \"file\")");
+    const JsonValue* size = needed(context, value, "size", what, " with \"cells\" (or \"layers\" or \"file\")");
     const JsonValue* cells = needed(context, value, "cells", what, "");
     if (size) voxels.size = context.json.size(*size, of("size", what)).value_or(ivec3(0));
     voxels.cells = read_integers<std::uint8_t>(context, cells, 255, of("cells", what));
     return voxels;
 }
 
-Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& what,
-               const std::string& name) {
+Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& what, const std::string& name) {
     Grid grid;
     grid.name = name;
     const JsonValue* size = needed(context, value, "size", what, " with \"values\" (or \"file\")");
@@ -181,9 +175,8 @@ std::vector<Object> read_model(JsonContext& context, const JsonValue& file, cons
     for (const Object& object : model->objects) {
         const Geometry& geometry = model->geometries[std::size_t(object.geometry)];
         if (kind_name(geometry) != record.type) {
-            context.json.fail(file, what + " is of type \"" + std::string(record.type) + "\", but " +
-                                        path.string() + " holds a geometry of type \"" +
-                                        std::string(kind_name(geometry)) + "\"");
+            context.json.fail(file, what + " is of type \"" + std::string(record.type) + "\", but " + path.string() +
+                                        " holds a geometry of type \"" + std::string(kind_name(geometry)) + "\"");
             return {};
         }
     }
@@ -219,16 +212,15 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
     const JsonValue* file = record->find("file") ? value.find("file") : nullptr;
     if (file) {
         const bool alone = has_no(context, value,
-                                  {"positions", "triangles", "normals", "uvs", "tangents", "colors", "slots",
-                                   "size", "cells", "layers", "values", "transform"},
+                                  {"positions", "triangles", "normals", "uvs", "tangents", "colors", "slots", "size",
+                                   "cells", "layers", "values", "transform"},
                                   what, "file");
         if (!alone) return {};
         parts.from_file = true;
         parts.objects = read_model(context, *file, *record, what);
     } else {
         if (auto* mesh = std::get_if<MeshGeometry>(&geometry.data)) *mesh = read_mesh(context, value, what);
-        if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data))
-            *voxels = read_voxels(context, value, what);
+        if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) *voxels = read_voxels(context, value, what);
         if (auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) *sdf = read_sdf(context, value, what);
         if (auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             volume->grid = int(context.scene.grids.size());

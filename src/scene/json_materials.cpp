@@ -8,17 +8,16 @@ namespace spinel {
 namespace {
 
 // What a complex index of refraction makes pointless is an error, not silently unread.
-void exclude_colours(JsonContext& context, const JsonValue& value, const std::string& what,
-                     const char* reason, std::initializer_list<const char*> keys) {
+void exclude_colours(JsonContext& context, const JsonValue& value, const std::string& what, const char* reason,
+                     std::initializer_list<const char*> keys) {
     for (const JsonMember& member : *value.object())
         for (const char* key : keys)
             if (member.key == key)
-                context.json.fail(member.offset,
-                                  "\"" + member.key + "\" of " + what + " is not read where " + reason);
+                context.json.fail(member.offset, "\"" + member.key + "\" of " + what + " is not read where " + reason);
 }
 
-void read_preset(JsonContext& context, const JsonValue& preset, const MaterialInfo& info,
-                 kernels::Material& material, const std::string& what) {
+void read_preset(JsonContext& context, const JsonValue& preset, const MaterialInfo& info, kernels::Material& material,
+                 const std::string& what) {
     const auto name = context.json.text(preset, "\"preset\" of " + what);
     if (!name) return;
     std::vector<std::string> names;
@@ -29,8 +28,7 @@ void read_preset(JsonContext& context, const JsonValue& preset, const MaterialIn
         material.k = candidate.k;
         return;
     }
-    context.json.fail(preset,
-                      "unknown preset \"" + *name + "\" of " + what + "; available: " + list_names(names));
+    context.json.fail(preset, "unknown preset \"" + *name + "\" of " + what + "; available: " + list_names(names));
 }
 
 void read_material(JsonContext& context, const JsonValue& value, Material& material) {

@@ -13,9 +13,9 @@ namespace {
 glm::dmat4 read_step(JsonContext& context, const JsonValue& value, const std::string& where) {
     const glm::dmat4 identity(1);
     if (!value.object() || value.object()->size() != 1) {
-        context.json.fail(
-            value, where + " must be a list of objects with one key each: scale, rotate or translate, not " +
-                       value.description());
+        context.json.fail(value, where +
+                                     " must be a list of objects with one key each: scale, rotate or translate, not " +
+                                     value.description());
         return identity;
     }
     const JsonMember& step = value.object()->front();
@@ -28,8 +28,8 @@ glm::dmat4 read_step(JsonContext& context, const JsonValue& value, const std::st
         return offset ? glm::translate(identity, glm::dvec3(*offset)) : identity;
     }
     if (step.key != "rotate") {
-        context.json.fail(step.offset, "unknown step \"" + step.key + "\" in " + where +
-                                           "; allowed: scale, rotate, translate");
+        context.json.fail(step.offset,
+                          "unknown step \"" + step.key + "\" in " + where + "; allowed: scale, rotate, translate");
         return identity;
     }
     const std::string what = "\"rotate\" of " + where;
@@ -37,12 +37,11 @@ glm::dmat4 read_step(JsonContext& context, const JsonValue& value, const std::st
         vec3 axis = {0, 1, 0};
         float degrees = 0;
     } rotation;
-    static const Record record{
-        "",
-        "",
-        {required(field("axis", &Rotation::axis, "Axis, of any length.")),
-         required(field("degrees", &Rotation::degrees, "Counter-clockwise around the axis."))},
-        nullptr};
+    static const Record record{"",
+                               "",
+                               {required(field("axis", &Rotation::axis, "Axis, of any length.")),
+                                required(field("degrees", &Rotation::degrees, "Counter-clockwise around the axis."))},
+                               nullptr};
     context.json.record(value.object()->front().value, record, &rotation, what);
     if (!(glm::length(rotation.axis) > 0)) {
         context.json.fail(step.value, what + " has an axis of length 0");
@@ -56,8 +55,8 @@ mat4x3 read_matrix(JsonContext& context, const JsonValue& value, const std::stri
     const std::size_t count = value.array()->size();
     float m[16] = {};
     if (count != 12 && count != 16)
-        context.json.fail(value, where + " must be a list of steps or a matrix of 12 or 16 numbers, not " +
-                                     value.description());
+        context.json.fail(
+            value, where + " must be a list of steps or a matrix of 12 or 16 numbers, not " + value.description());
     else if (context.json.numbers(value, count, any, where, m) && count == 16 &&
              !(m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1))
         context.json.fail(value, where + ": the last row of a 4×4 matrix must be 0, 0, 0, 1");
@@ -103,18 +102,16 @@ void read_object(JsonContext& context, const JsonValue& value, std::size_t index
     std::vector<int> materials;
     if (material) materials = read_material_slots(context, *material, what);
     const JsonValue* interior = value.find("interior");
-    const int medium =
-        interior ? context.json.reference(*interior, context.media, "\"interior\" of " + what) : -1;
+    const int medium = interior ? context.json.reference(*interior, context.media, "\"interior\" of " + what) : -1;
 
     for (Object& part : parts.objects) {
         if (context.json.error()) return;
         const Geometry& shape = context.scene.geometries[std::size_t(part.geometry)];
         const bool volume = std::holds_alternative<VolumeGeometry>(shape.data);
         if (!material && part.materials.empty() && !volume)
-            context.json.fail(
-                value, what +
-                           " needs \"material\": a name, null (an interface that does not scatter), or "
-                           "a list of these, one for each slot");
+            context.json.fail(value, what +
+                                         " needs \"material\": a name, null (an interface that does not scatter), or "
+                                         "a list of these, one for each slot");
         if (material) part.materials = materials;
         if (interior) part.interior = medium;
         part.transform = compose(transform, part.transform);
@@ -128,9 +125,8 @@ void read_object(JsonContext& context, const JsonValue& value, std::size_t index
             context.json.fail(value, what + " is a volume and needs \"interior\", the medium that it holds");
         const std::uint32_t slots = slot_count(shape);
         if (material && part.materials.size() > 1 && part.materials.size() < slots)
-            context.json.fail(*material,
-                              "\"material\" of " + what + " lists " + std::to_string(part.materials.size()) +
-                                  " materials, but its geometry uses " + std::to_string(slots) + " slots");
+            context.json.fail(*material, "\"material\" of " + what + " lists " + std::to_string(part.materials.size()) +
+                                             " materials, but its geometry uses " + std::to_string(slots) + " slots");
         context.scene.objects.push_back(std::move(part));
     }
 }
@@ -141,8 +137,8 @@ mat4x3 read_transform(JsonContext& context, const JsonValue& value, const std::s
     const std::string where = "\"transform\" of " + what;
     const JsonValue::Array* array = value.array();
     if (!array) {
-        context.json.fail(value, where + " must be a list of steps or a matrix of 12 or 16 numbers, not " +
-                                     value.description());
+        context.json.fail(
+            value, where + " must be a list of steps or a matrix of 12 or 16 numbers, not " + value.description());
         return mat4x3(1);
     }
     mat4x3 transform(1);
@@ -159,9 +155,8 @@ mat4x3 read_transform(JsonContext& context, const JsonValue& value, const std::s
 }
 
 void read_objects(JsonContext& context, const JsonValue& value) {
-    context.json.elements(value, "\"objects\"", [&](const JsonValue& element, std::size_t index) {
-        read_object(context, element, index);
-    });
+    context.json.elements(value, "\"objects\"",
+                          [&](const JsonValue& element, std::size_t index) { read_object(context, element, index); });
 }
 
 }  // namespace spinel

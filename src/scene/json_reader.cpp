@@ -26,8 +26,7 @@ void collect_names(JsonContext& context, const JsonValue& root, const char* key,
     });
 }
 
-std::shared_ptr<const PixelBuffer> read_pixels(JsonContext& context, const JsonValue& owner,
-                                               const std::string& what) {
+std::shared_ptr<const PixelBuffer> read_pixels(JsonContext& context, const JsonValue& owner, const std::string& what) {
     const JsonValue* file = owner.find("file");
     if (!file) return nullptr;  // said already: it is required
     const auto path = read_path(context, *file, "\"file\" of " + what);
@@ -88,8 +87,7 @@ void read_textures(JsonContext& context, const JsonValue& value) {
             if (image->pixels) {
                 image->file = *member.value.find("file")->text();
                 // Floating-point pictures are linear, unless the scene says otherwise.
-                if (!member.value.find("srgb") &&
-                    std::holds_alternative<std::vector<float>>(image->pixels->data))
+                if (!member.value.find("srgb") && std::holds_alternative<std::vector<float>>(image->pixels->data))
                     image->srgb = false;
             }
         }
@@ -129,8 +127,7 @@ void read_lights(JsonContext& context, const JsonValue& value) {
     context.json.elements(value, "\"lights\"", [&](const JsonValue& element, std::size_t index) {
         Light light;
         if (const JsonValue* name = element.find("name"))
-            light.name =
-                context.json.text(*name, "\"name\" of lights[" + std::to_string(index) + "]").value_or("");
+            light.name = context.json.text(*name, "\"name\" of lights[" + std::to_string(index) + "]").value_or("");
         const std::string what =
             light.name.empty() ? "lights[" + std::to_string(index) + "]" : named("light", light.name);
         const Record* record = context.json.select(element, family, what);
@@ -164,8 +161,7 @@ void read_scene(JsonContext& context, const JsonValue& root) {
     const auto read = [&](const char* key, const auto& function) {
         if (const JsonValue* value = root.find(key)) function(*value);
     };
-    read("film",
-         [&](const JsonValue& value) { context.json.record(value, film_record(), &scene.film, "film"); });
+    read("film", [&](const JsonValue& value) { context.json.record(value, film_record(), &scene.film, "film"); });
     read("integrator", [&](const JsonValue& value) {
         context.json.record(value, integrator_record(), &scene.integrator, "integrator");
     });
@@ -175,9 +171,8 @@ void read_scene(JsonContext& context, const JsonValue& root) {
     read("camera", [&](const JsonValue& value) { read_camera(context, value, ""); });
     read("cameras", [&](const JsonValue& value) {
         if (root.find("camera")) context.json.fail(value, "\"camera\" and \"cameras\" exclude each other");
-        each_named(context, value, "cameras", [&](const JsonMember& member, std::size_t) {
-            read_camera(context, member.value, member.key);
-        });
+        each_named(context, value, "cameras",
+                   [&](const JsonMember& member, std::size_t) { read_camera(context, member.value, member.key); });
     });
     read("environment", [&](const JsonValue& value) { read_environment(context, value); });
     read("textures", [&](const JsonValue& value) { read_textures(context, value); });
@@ -196,8 +191,7 @@ std::filesystem::path read_path(JsonContext& context, const JsonValue& value, co
     return context.folder / std::filesystem::path(*text);
 }
 
-Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file,
-                              const SceneLoaders& loaders) {
+Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file, const SceneLoaders& loaders) {
     const Result<JsonDocument> document = parse_json(std::string(text), file.string());
     if (!document) return document.error();
     Scene scene;
@@ -206,8 +200,7 @@ Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path
     json.textures = &context.textures;
     read_scene(context, document->root);
     if (json.error()) return *json.error();
-    if (const Result<void> valid = validate(scene); !valid)
-        return Error{file.string() + ": " + valid.error().message};
+    if (const Result<void> valid = validate(scene); !valid) return Error{file.string() + ": " + valid.error().message};
     return scene;
 }
 

@@ -19,7 +19,6 @@ struct SceneLoaders {
 };
 
 // `file` names the text in messages; its folder is where relative paths start.
-Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file,
-                              const SceneLoaders& loaders);
+Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file, const SceneLoaders& loaders);
 
 }  // namespace spinel

@@ -12,9 +12,7 @@
 namespace spinel {
 namespace {
 
-OrderedJson reference_to(std::string_view definition) {
-    return {{"$ref", "#/definitions/" + std::string(definition)}};
-}
+OrderedJson reference_to(std::string_view definition) { return {{"$ref", "#/definitions/" + std::string(definition)}}; }
 
 OrderedJson bounded(std::string_view type, const Range& range) {
     OrderedJson schema = {{"type", type}};
@@ -100,19 +98,17 @@ OrderedJson family_schema(const Family& family) {
 }
 
 OrderedJson by_name(std::string_view definition) {
-    return {{"type", "object"},
-            {"propertyNames", {{"minLength", 1}}},
-            {"additionalProperties", reference_to(definition)}};
+    return {
+        {"type", "object"}, {"propertyNames", {{"minLength", 1}}}, {"additionalProperties", reference_to(definition)}};
 }
 
 OrderedJson transform_schema() {
     const OrderedJson number = {{"type", "number"}}, triple = array_of(number, 3);
     const OrderedJson factor = {{"anyOf", OrderedJson::array({number, triple})}};
     const OrderedJson rotation = closed_object({{"axis", triple}, {"degrees", number}}, {"axis", "degrees"});
-    const OrderedJson step = {
-        {"oneOf", OrderedJson::array({closed_object({{"scale", factor}}, {"scale"}),
-                                      closed_object({{"rotate", rotation}}, {"rotate"}),
-                                      closed_object({{"translate", triple}}, {"translate"})})}};
+    const OrderedJson step = {{"oneOf", OrderedJson::array({closed_object({{"scale", factor}}, {"scale"}),
+                                                            closed_object({{"rotate", rotation}}, {"rotate"}),
+                                                            closed_object({{"translate", triple}}, {"translate"})})}};
     return {{"anyOf", OrderedJson::array({array_of(step), array_of(number, 12), array_of(number, 16)})}};
 }
 
@@ -248,8 +244,8 @@ std::string row_text(const Field& field, const void* defaults) {
         if (defaults && !field.required) preset = json_value(field, defaults).dump();
     }
     if (field.required) preset = "required";
-    return "| `" + std::string(field.name) + "` | " + type_text(field) + " | " + std::string(field.unit) +
-           " | " + range + " | " + preset + " | " + std::string(field.doc) + " |\n";
+    return "| `" + std::string(field.name) + "` | " + type_text(field) + " | " + std::string(field.unit) + " | " +
+           range + " | " + preset + " | " + std::string(field.doc) + " |\n";
 }
 
 std::string table(const Record& record) {
@@ -265,8 +261,8 @@ std::string section(std::string_view title, const Record& record) {
 
 std::string heading(const Record& record, const Family& family) {
     const bool implied = record.type == family.default_type;
-    return "#### `\"type\": \"" + std::string(record.type) + "\"`" + (implied ? " (the default)" : "") +
-           "\n\n" + std::string(record.doc) + "\n\n";
+    return "#### `\"type\": \"" + std::string(record.type) + "\"`" + (implied ? " (the default)" : "") + "\n\n" +
+           std::string(record.doc) + "\n\n";
 }
 
 std::string section(std::string_view title, const Family& family) {
@@ -331,13 +327,12 @@ std::string scene_schema() {
 }
 
 std::string scene_reference() {
-    return section("The file", scene_record()) + section("camera", camera_family()) +
-           section("film", film_record()) + section("integrator", integrator_record()) +
-           section("environment", environment_family()) + section("textures", texture_family()) +
-           material_section() + preset_section() + section("media", medium_record()) +
-           section("erosion", erosion_record()) + section("geometries", geometry_family()) + sdf_section() +
-           section("objects", object_record()) + section("lights", light_family()) +
-           section("expected", expected_record());
+    return section("The file", scene_record()) + section("camera", camera_family()) + section("film", film_record()) +
+           section("integrator", integrator_record()) + section("environment", environment_family()) +
+           section("textures", texture_family()) + material_section() + preset_section() +
+           section("media", medium_record()) + section("erosion", erosion_record()) +
+           section("geometries", geometry_family()) + sdf_section() + section("objects", object_record()) +
+           section("lights", light_family()) + section("expected", expected_record());
 }
 
 }  // namespace spinel

@@ -34,8 +34,8 @@ SdfNode read_node(JsonContext& context, const JsonValue& value, const std::strin
     if (operation->child_maximum > 0) allowed.push_back("args");
     for (const JsonMember& member : *value.object())
         if (std::find(allowed.begin(), allowed.end(), member.key) == allowed.end())
-            context.json.fail(member.offset, "unknown key \"" + member.key + "\" of " + where +
-                                                 "; allowed: " + list_names(allowed));
+            context.json.fail(member.offset,
+                              "unknown key \"" + member.key + "\" of " + where + "; allowed: " + list_names(allowed));
 
     for (const SdfParameter& parameter : operation->parameters) {
         const std::string name(parameter.name);
@@ -43,9 +43,7 @@ SdfNode read_node(JsonContext& context, const JsonValue& value, const std::strin
         if (!given && !parameter.fallback) context.json.fail(value, where + " needs \"" + name + "\"");
         const Range range{parameter.minimum, parameter.maximum};
         float number = parameter.fallback.value_or(0);
-        if (given)
-            number =
-                float(context.json.number(*given, range, "\"" + name + "\" of " + where).value_or(number));
+        if (given) number = float(context.json.number(*given, range, "\"" + name + "\" of " + where).value_or(number));
         node.numbers.push_back(number);
     }
     if (context.json.error()) return node;
@@ -82,8 +80,7 @@ SdfGeometry read_sdf(JsonContext& context, const JsonValue& value, const std::st
     if (const JsonValue* bounds = value.find("bounds")) {
         const std::string where = "\"bounds\" of " + what;
         if (!bounds->array() || bounds->array()->size() != 2) {
-            context.json.fail(*bounds,
-                              where + " must be an array of 2 corners, not " + bounds->description());
+            context.json.fail(*bounds, where + " must be an array of 2 corners, not " + bounds->description());
             return sdf;
         }
         const auto lower = context.json.triple((*bounds->array())[0], any, where);

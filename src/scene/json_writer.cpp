@@ -81,8 +81,7 @@ class Writer {
         root["film"] = changes(film_record(), &scene_.film);
         root["integrator"] = changes(integrator_record(), &scene_.integrator);
         environment(root);
-        for (std::size_t i = 0; i < textures_.size(); ++i)
-            root["textures"][textures_[i]] = texture(scene_.textures[i]);
+        for (std::size_t i = 0; i < textures_.size(); ++i) root["textures"][textures_[i]] = texture(scene_.textures[i]);
         for (std::size_t i = 0; i < materials_.size(); ++i)
             root["materials"][materials_[i]] = material(scene_.materials[i].values);
         for (std::size_t i = 0; i < media_.size(); ++i) root["media"][media_[i]] = medium(scene_.media[i]);
@@ -105,12 +104,11 @@ class Writer {
             const OrderedJson value = json_value(field, instance);
             kernels::uint texture = kernels::NONE;
             if (field.texture)
-                texture = *reinterpret_cast<const kernels::uint*>(static_cast<const char*>(instance) +
-                                                                  *field.texture);
+                texture = *reinterpret_cast<const kernels::uint*>(static_cast<const char*>(instance) + *field.texture);
             if (texture != kernels::NONE)
-                object[std::string(field.name)] =
-                    value == OrderedJson(1) ? OrderedJson(textures_[texture])
-                                            : OrderedJson{{"texture", textures_[texture]}, {"factor", value}};
+                object[std::string(field.name)] = value == OrderedJson(1)
+                                                      ? OrderedJson(textures_[texture])
+                                                      : OrderedJson{{"texture", textures_[texture]}, {"factor", value}};
             else if (field.required || value != json_value(field, record.defaults))
                 object[std::string(field.name)] = value;
         }
@@ -126,15 +124,12 @@ class Writer {
 
     OrderedJson picture(const std::string& file, const std::string& what) {
         if (file.empty() && !error_)
-            error_ =
-                Error{what + " has a picture that is in no file of its own, so a scene file cannot name it"};
+            error_ = Error{what + " has a picture that is in no file of its own, so a scene file cannot name it"};
         return file;
     }
 
     void cameras(OrderedJson& root) {
-        const auto camera = [&](const Camera& c) {
-            return changes(camera_family().records[std::size_t(c.kind)], &c);
-        };
+        const auto camera = [&](const Camera& c) { return changes(camera_family().records[std::size_t(c.kind)], &c); };
         if (scene_.cameras.size() == 1 && scene_.cameras[0].name.empty()) {
             root["camera"] = camera(scene_.cameras[0]);
             return;
@@ -163,8 +158,7 @@ class Writer {
         const MaterialInfo& info = *find_material_info(m.kind);
         const Record& record = material_family().records[std::size_t(&info - material_infos().data())];
         OrderedJson value = changes(record, &m);
-        if (!info.presets.empty() &&
-            (m.eta != vec3(0) || m.k != vec3(0))) {  // by complex index, not by colour
+        if (!info.presets.empty() && (m.eta != vec3(0) || m.k != vec3(0))) {  // by complex index, not by colour
             value.erase("color");
             value.erase("edge_color");
             value["eta"] = json_value(*record.find("eta"), &m);
@@ -177,8 +171,7 @@ class Writer {
 
     OrderedJson medium(const Medium& medium) {
         OrderedJson value = changes(medium_record(), &medium);
-        if (medium.erosion.kind != Erosion::Kind::none)
-            value["erosion"] = changes(erosion_record(), &medium.erosion);
+        if (medium.erosion.kind != Erosion::Kind::none) value["erosion"] = changes(erosion_record(), &medium.erosion);
         if (medium.grid < 0) return value;
         for (std::size_t i = 0; i < geometries_.size(); ++i) {
             const auto* volume = std::get_if<VolumeGeometry>(&scene_.geometries[i].data);
@@ -186,8 +179,7 @@ class Writer {
             value["density"] = geometries_[i];
             return value;
         }
-        if (!error_)
-            error_ = Error{"medium \"" + medium.name + "\" has a density that no volume of the scene holds"};
+        if (!error_) error_ = Error{"medium \"" + medium.name + "\" has a density that no volume of the scene holds"};
         return value;
     }
 
@@ -214,8 +206,7 @@ class Writer {
             value["filter"] = grid.filter == Filter::nearest ? "nearest" : "linear";
         } else if (const auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) {
             value["expression"] = sdf_text(sdf->root);
-            if (sdf->bounds)
-                value["bounds"] = vectors(std::vector<vec3>{sdf->bounds->first, sdf->bounds->second});
+            if (sdf->bounds) value["bounds"] = vectors(std::vector<vec3>{sdf->bounds->first, sdf->bounds->second});
         }
         return value;
     }

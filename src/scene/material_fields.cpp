@@ -35,16 +35,14 @@ Record record_of(const MaterialInfo& info) {
     static std::deque<kernels::Material> defaults;  // at rest in memory: records point to them
     Record record{info.name, info.doc, {}, &defaults.emplace_back(default_material(info.kind))};
     if (!info.presets.empty())
-        record.fields.push_back(
-            by_hand("preset", "preset",
-                    "Measured complex index of refraction, in place of `eta` and `k`; see presets."));
+        record.fields.push_back(by_hand(
+            "preset", "preset", "Measured complex index of refraction, in place of `eta` and `k`; see presets."));
     for (const MaterialParameter& parameter : info.parameters) record.fields.push_back(row_of(parameter));
     if (info.kind == kernels::MATERIAL_DIELECTRIC)
         record.fields.push_back(by_hand("interior", "reference", "Medium inside."));
-    for (const MaterialParameter& parameter : common_material_parameters())
-        record.fields.push_back(row_of(parameter));
-    record.fields.push_back(by_hand("normal_map", "reference",
-                                    "Texture of tangent-space normals; its picture has `srgb` false."));
+    for (const MaterialParameter& parameter : common_material_parameters()) record.fields.push_back(row_of(parameter));
+    record.fields.push_back(
+        by_hand("normal_map", "reference", "Texture of tangent-space normals; its picture has `srgb` false."));
     return record;
 }
 

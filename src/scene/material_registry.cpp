@@ -20,7 +20,7 @@ constexpr MaterialParameter common_parameters[] = {
     {"emission", &Material::emission, glm::vec3(0.0f), 0, 1e9f, &Material::emission_texture,
      "Radiance that the surface sends out, W/(sr m^2)."},
     {"emission_two_sided", &Material::emission_two_sided, 0u, 0, 1, nullptr,
-     "1: both sides emit; 0: only the side of the outward normal."},
+     "True: both sides emit; false: only the side of the outward normal."},
     {"normal_scale", &Material::normal_scale, 1.0f, 0, 10, &Material::normal_texture,
      "Strength of the normal map, which is the texture."},
     {"opacity", &Material::opacity, 1.0f, 0, 1, &Material::opacity_texture,

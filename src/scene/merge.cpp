@@ -23,15 +23,14 @@ void shift(int& index, std::size_t by) {
 std::vector<Object> merge_model(Scene& scene, Scene model) {
     for (Material& material : model.materials) {
         kernels::Material& m = material.values;
-        for (kernels::uint* texture : {&m.color_texture, &m.roughness_texture, &m.metallic_texture,
-                                       &m.emission_texture, &m.normal_texture, &m.opacity_texture})
+        for (kernels::uint* texture : {&m.color_texture, &m.roughness_texture, &m.metallic_texture, &m.emission_texture,
+                                       &m.normal_texture, &m.opacity_texture})
             shift(*texture, scene.textures.size());
         shift(m.interior, scene.media.size());
     }
     for (Medium& medium : model.media) shift(medium.grid, scene.grids.size());
     for (Geometry& geometry : model.geometries)
-        if (auto* volume = std::get_if<VolumeGeometry>(&geometry.data))
-            shift(volume->grid, scene.grids.size());
+        if (auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) shift(volume->grid, scene.grids.size());
     for (Object& object : model.objects) {
         shift(object.geometry, scene.geometries.size());
         for (int& material : object.materials) shift(material, scene.materials.size());

@@ -52,8 +52,8 @@ const Record& film_record() {
         "", "The picture that is made.",
         {
             field("size", &Film::size, "Width and height of the picture.", pixels, "pixels"),
-            field("exposure", &Film::exposure,
-                  "Brightening before the tone map; radiance is multiplied by 2^exposure.", any, "stops"),
+            field("exposure", &Film::exposure, "Brightening before the tone map; radiance is multiplied by 2^exposure.",
+                  any, "stops"),
             field("tone_map", &Film::tone_map,
                   "How radiance becomes the colours of an 8-bit picture; EXR stays linear."),
             field("filter", &Film::filter, "Pixel reconstruction filter, importance sampled."),
@@ -67,12 +67,13 @@ const Record& integrator_record() {
     static const Record table = record<IntegratorSettings>(
         "", "How light is computed; the command line overrides it.",
         {
-            field("type", &IntegratorSettings::name,
-                  "Name of the integrator, as `spinel list integrators` prints it."),
+            field("type", &IntegratorSettings::name, "Name of the integrator, as `spinel list integrators` prints it."),
             field("spp", &IntegratorSettings::spp, "Samples per pixel.", {1, 1 << 30}),
             field("clamp", &IntegratorSettings::clamp,
-                  "Most radiance that one path may add by indirect light: takes sparks away and caustics with them; 0: no "
-                  "limit, unbiased.", non_negative),
+                  "Most radiance that one path may add by indirect light: takes sparks away and caustics with them; 0: "
+                  "no "
+                  "limit, unbiased.",
+                  non_negative),
             field("max_bounces", &IntegratorSettings::max_bounces,
                   "Scattering events of a path; 0: only light that is seen directly; −1: Russian roulette "
                   "alone ends it.",
@@ -82,14 +83,13 @@ const Record& integrator_record() {
 }
 
 const Record& expected_record() {
-    static const Record table =
-        record<Expected>("", "Makes the scene a test: what the mean over the picture must be.",
-                         {
-                             required(color("mean", &Expected::mean, "Mean radiance over the whole picture.",
-                                            non_negative, "W/(sr·m²)")),
-                             field("tolerance", &Expected::tolerance,
-                                   "Allowed relative difference of each channel.", positive),
-                         });
+    static const Record table = record<Expected>(
+        "", "Makes the scene a test: what the mean over the picture must be.",
+        {
+            required(
+                color("mean", &Expected::mean, "Mean radiance over the whole picture.", non_negative, "W/(sr·m²)")),
+            field("tolerance", &Expected::tolerance, "Allowed relative difference of each channel.", positive),
+        });
     return table;
 }
 
@@ -107,8 +107,7 @@ const Family& camera_family() {
                 field("focus_distance", &Camera::focus_distance,
                       "Distance of what is sharp along the axis; 0: the distance to `at`.", non_negative,
                       "scene units"),
-                field("mirrored", &Camera::mirrored,
-                      "Flips left and right, for scenes of left-handed systems."),
+                field("mirrored", &Camera::mirrored, "Flips left and right, for scenes of left-handed systems."),
             });
     };
     static const Family table{
@@ -135,8 +134,7 @@ const Family& environment_family() {
             record<ImageEnvironment>(
                 "image", "An equirectangular picture, its top at +y and its middle towards +z at rotation 0.",
                 {
-                    required(
-                        by_hand("file", "path", "Picture (EXR, HDR, PNG, …), relative to the scene file.")),
+                    required(by_hand("file", "path", "Picture (EXR, HDR, PNG, …), relative to the scene file.")),
                     color("scale", &ImageEnvironment::scale, "Multiplies the picture."),
                     field("rotation", &ImageEnvironment::rotation, "Turn about +y.", any, "degrees"),
                     field("filter", &ImageEnvironment::filter, "Look-up between the picture's pixels."),
@@ -146,17 +144,15 @@ const Family& environment_family() {
                 "Clear sky with its sun (single scattering in air, haze and ozone, after Nishita et al. "
                 "1993).",
                 {
-                    field("sun_elevation", &SkyEnvironment::sun_elevation,
-                          "Height of the sun above the horizon.", {-90, 90}, "degrees"),
-                    field("sun_azimuth", &SkyEnvironment::sun_azimuth,
-                          "Direction of the sun, from +z towards +x.", any, "degrees"),
+                    field("sun_elevation", &SkyEnvironment::sun_elevation, "Height of the sun above the horizon.",
+                          {-90, 90}, "degrees"),
+                    field("sun_azimuth", &SkyEnvironment::sun_azimuth, "Direction of the sun, from +z towards +x.", any,
+                          "degrees"),
                     field("sun_angular_radius", &SkyEnvironment::sun_angular_radius,
                           "Half the apparent size of the sun.", {0, 90, true}, "degrees"),
-                    field("haze", &SkyEnvironment::haze, "Dust in the air; 1: clear, more: hazier.",
-                          non_negative),
+                    field("haze", &SkyEnvironment::haze, "Dust in the air; 1: clear, more: hazier.", non_negative),
                     field("scale", &SkyEnvironment::scale, "Multiplies sky and sun.", non_negative),
-                    field("sun", &SkyEnvironment::sun,
-                          "Whether the sun itself is there; false: the sky alone."),
+                    field("sun", &SkyEnvironment::sun, "Whether the sun itself is there; false: the sky alone."),
                 }),
         },
         ""};
@@ -167,26 +163,24 @@ const Family& texture_family() {
     static const Family table{
         "texture",
         {
-            record<ImageTexture>(
-                "image", "A picture over uv; row 0, its top, lies at v = 1.",
-                {
-                    required(by_hand("file", "path", "Picture, relative to the scene file.")),
-                    field("srgb", &ImageTexture::srgb,
-                          "Whether 8-bit colours are sRGB-encoded; false for data such as normals and "
-                          "roughness."),
-                    field("filter", &ImageTexture::filter, "Look-up between pixels."),
-                    field("wrap", &ImageTexture::wrap, "What lies outside of [0, 1]²."),
-                    field("scale", &ImageTexture::scale, "Multiplies uv."),
-                    field("offset", &ImageTexture::offset, "Added to uv after `scale`."),
-                }),
-            record<CheckerTexture>(
-                "checker", "Two colours in squares.",
-                {
-                    color("color_a", &CheckerTexture::color_a, "Colour of the square at uv = 0."),
-                    color("color_b", &CheckerTexture::color_b, "Colour of its neighbours."),
-                    field("scale", &CheckerTexture::scale, "Squares per unit of uv."),
-                    field("offset", &CheckerTexture::offset, "Added to uv after `scale`."),
-                }),
+            record<ImageTexture>("image", "A picture over uv; row 0, its top, lies at v = 1.",
+                                 {
+                                     required(by_hand("file", "path", "Picture, relative to the scene file.")),
+                                     field("srgb", &ImageTexture::srgb,
+                                           "Whether 8-bit colours are sRGB-encoded; false for data such as normals and "
+                                           "roughness."),
+                                     field("filter", &ImageTexture::filter, "Look-up between pixels."),
+                                     field("wrap", &ImageTexture::wrap, "What lies outside of [0, 1]²."),
+                                     field("scale", &ImageTexture::scale, "Multiplies uv."),
+                                     field("offset", &ImageTexture::offset, "Added to uv after `scale`."),
+                                 }),
+            record<CheckerTexture>("checker", "Two colours in squares.",
+                                   {
+                                       color("color_a", &CheckerTexture::color_a, "Colour of the square at uv = 0."),
+                                       color("color_b", &CheckerTexture::color_b, "Colour of its neighbours."),
+                                       field("scale", &CheckerTexture::scale, "Squares per unit of uv."),
+                                       field("offset", &CheckerTexture::offset, "Added to uv after `scale`."),
+                                   }),
         },
         ""};
     return table;
@@ -200,12 +194,10 @@ const Record& medium_record() {
                   "1/scene unit"),
             color("absorption", &Medium::absorption, "Absorption coefficient σa at density 1.", non_negative,
                   "1/scene unit"),
-            field("g", &Medium::g, "Henyey–Greenstein asymmetry: forward above 0, backward below.",
-                  {-1, 1, true}),
-            color("emission", &Medium::emission, "Radiance gained per unit length at density 1.",
-                  non_negative, "W/(sr·m²) per scene unit"),
-            by_hand("density", "reference",
-                    "Volume (a named geometry) whose density multiplies all this; none: 1."),
+            field("g", &Medium::g, "Henyey–Greenstein asymmetry: forward above 0, backward below.", {-1, 1, true}),
+            color("emission", &Medium::emission, "Radiance gained per unit length at density 1.", non_negative,
+                  "W/(sr·m²) per scene unit"),
+            by_hand("density", "reference", "Volume (a named geometry) whose density multiplies all this; none: 1."),
             by_hand("erosion", "erosion", "Noise that eats the density; needs `density`."),
         });
     return table;
@@ -238,8 +230,7 @@ const Family& geometry_family() {
                     by_hand("triangles", "index3_list", "Three vertex indices each, from 0."),
                     by_hand("normals", "vec3_list", "One a vertex; without them faces are flat."),
                     by_hand("uvs", "vec2_list", "One a vertex."),
-                    by_hand("tangents", "vec4_list",
-                            "One a vertex; the fourth number is the bitangent's sign."),
+                    by_hand("tangents", "vec4_list", "One a vertex; the fourth number is the bitangent's sign."),
                     by_hand("colors", "vec4_list", "One a vertex, linear; multiply the material's colour."),
                     by_hand("slots", "index_list", "Material slot of each triangle; all 0 without."),
                 }),
@@ -259,43 +250,40 @@ const Family& geometry_family() {
                                        "or a space is empty, "
                                        "1…9 then a…z are palette indices 1…35."),
                            }),
-            record_by_hand(
-                "volume", "The box of a density grid: no surface of its own, holds an interior medium.",
-                {
-                    by_hand("file", "path", "Volume file relative to the scene file."),
-                    by_hand("size", "size3", "Samples along x, y and z, with `values`."),
-                    by_hand("values", "number_list",
-                            "Densities ≥ 0, x fastest, then y, then z; sample (i, j, k) sits at "
-                            "(i+½, j+½, k+½) of the box [0, size]."),
-                    by_hand("transform", "transform",
-                            "Of the box of `values` to the geometry's own space; as that of an object."),
-                    by_hand("filter", "filter", "Look-up between samples; linear, or as the file has it."),
-                }),
-            record_by_hand(
-                "sdf", "The solid where a signed distance bound is negative.",
-                {
-                    required(by_hand("expression", "sdf",
-                                     "Text such as `difference(box(2,2,2), sphere(1.2))`, or a tree such as "
-                                     "{\"op\": \"sphere\", \"radius\": 1}; see SDF operations.")),
-                    by_hand("bounds", "bounds",
-                            "[[x,y,z],[x,y,z]], lower and upper corner of the box that clips the solid; "
-                            "needed where the expression is unbounded."),
-                }),
-            record<SphereGeometry>(
-                "sphere", "About the origin.",
-                {
-                    field("radius", &SphereGeometry::radius, "Radius.", positive, "scene units"),
-                }),
+            record_by_hand("volume", "The box of a density grid: no surface of its own, holds an interior medium.",
+                           {
+                               by_hand("file", "path", "Volume file relative to the scene file."),
+                               by_hand("size", "size3", "Samples along x, y and z, with `values`."),
+                               by_hand("values", "number_list",
+                                       "Densities ≥ 0, x fastest, then y, then z; sample (i, j, k) sits at "
+                                       "(i+½, j+½, k+½) of the box [0, size]."),
+                               by_hand("transform", "transform",
+                                       "Of the box of `values` to the geometry's own space; as that of an object."),
+                               by_hand("filter", "filter", "Look-up between samples; linear, or as the file has it."),
+                           }),
+            record_by_hand("sdf", "The solid where a signed distance bound is negative.",
+                           {
+                               required(by_hand("expression", "sdf",
+                                                "Text such as `difference(box(2,2,2), sphere(1.2))`, or a tree such as "
+                                                "{\"op\": \"sphere\", \"radius\": 1}; see SDF operations.")),
+                               by_hand("bounds", "bounds",
+                                       "[[x,y,z],[x,y,z]], lower and upper corner of the box that clips the solid; "
+                                       "needed where the expression is unbounded."),
+                           }),
+            record<SphereGeometry>("sphere", "About the origin.",
+                                   {
+                                       field("radius", &SphereGeometry::radius, "Radius.", positive, "scene units"),
+                                   }),
             record<BoxGeometry>("box", "About the origin, along the axes.",
                                 {
                                     field("size", &BoxGeometry::size, "Full edges.", positive, "scene units"),
                                 }),
             record<PlaneGeometry>("plane", "y = 0, infinite, its normal +y.", {}),
-            record<RectangleGeometry>("rectangle", "In y = 0 about the origin, its normal +y.",
-                                      {
-                                          field("size", &RectangleGeometry::size, "Full edges along x and z.",
-                                                positive, "scene units"),
-                                      }),
+            record<RectangleGeometry>(
+                "rectangle", "In y = 0 about the origin, its normal +y.",
+                {
+                    field("size", &RectangleGeometry::size, "Full edges along x and z.", positive, "scene units"),
+                }),
         },
         ""};
     return table;
@@ -306,19 +294,16 @@ const Record& object_record() {
         "", "A geometry at its place.",
         {
             by_hand("name", "text", "What messages and pictures of objects call it."),
-            required(
-                by_hand("geometry", "geometry_reference", "Name of a geometry, or a geometry written here.")),
+            required(by_hand("geometry", "geometry_reference", "Name of a geometry, or a geometry written here.")),
             by_hand("material", "material_slots",
                     "Name of a material; null: an interface that does not scatter, the boundary of a medium; "
                     "a list: one "
                     "for each slot. Overrides the materials that a file brings; needed where none does."),
-            by_hand("interior", "reference",
-                    "Medium inside (closed geometries); overrides the material's own."),
-            by_hand(
-                "transform", "transform",
-                "List of steps, the first applied first: {\"scale\": 2 or [x,y,z]}, {\"rotate\": {\"axis\": "
-                "[x,y,z], "
-                "\"degrees\": 30}}, {\"translate\": [x,y,z]}; or a matrix of 12 or 16 numbers, row by row."),
+            by_hand("interior", "reference", "Medium inside (closed geometries); overrides the material's own."),
+            by_hand("transform", "transform",
+                    "List of steps, the first applied first: {\"scale\": 2 or [x,y,z]}, {\"rotate\": {\"axis\": "
+                    "[x,y,z], "
+                    "\"degrees\": 30}}, {\"translate\": [x,y,z]}; or a matrix of 12 or 16 numbers, row by row."),
         });
     return table;
 }
@@ -335,28 +320,27 @@ const Family& light_family() {
                     field("position", &PointLight::position, "Where it is.", any, "scene units"),
                     color("intensity", &PointLight::intensity, "Radiant intensity.", non_negative, "W/sr"),
                 }),
-            record<SpotLight>("spot", "A cone of light from a point, soft between its two angles.",
-                              {
-                                  name,
-                                  field("position", &SpotLight::position, "Where it is.", any, "scene units"),
-                                  field("direction", &SpotLight::direction, "The axis of the cone."),
-                                  color("intensity", &SpotLight::intensity, "Radiant intensity on the axis.",
-                                        non_negative, "W/sr"),
-                                  field("inner_angle", &SpotLight::inner_angle,
-                                        "Half-angle of full intensity.", quarter_turn, "degrees"),
-                                  field("outer_angle", &SpotLight::outer_angle,
-                                        "Half-angle beyond which there is none.", {0, 90}, "degrees"),
-                              }),
+            record<SpotLight>(
+                "spot", "A cone of light from a point, soft between its two angles.",
+                {
+                    name,
+                    field("position", &SpotLight::position, "Where it is.", any, "scene units"),
+                    field("direction", &SpotLight::direction, "The axis of the cone."),
+                    color("intensity", &SpotLight::intensity, "Radiant intensity on the axis.", non_negative, "W/sr"),
+                    field("inner_angle", &SpotLight::inner_angle, "Half-angle of full intensity.", quarter_turn,
+                          "degrees"),
+                    field("outer_angle", &SpotLight::outer_angle, "Half-angle beyond which there is none.", {0, 90},
+                          "degrees"),
+                }),
             record<DirectionalLight>(
                 "directional", "Parallel light, or a disc at infinity.",
                 {
                     name,
                     field("direction", &DirectionalLight::direction, "Direction that the light travels in."),
-                    color("irradiance", &DirectionalLight::irradiance, "On a surface that faces it.",
-                          non_negative, "W/m²"),
+                    color("irradiance", &DirectionalLight::irradiance, "On a surface that faces it.", non_negative,
+                          "W/m²"),
                     field("angular_radius", &DirectionalLight::angular_radius,
-                          "Half the apparent size of its disc; 0: parallel, the sun's is 0.265.", {0, 89.9},
-                          "degrees"),
+                          "Half the apparent size of its disc; 0: parallel, the sun's is 0.265.", {0, 89.9}, "degrees"),
                 }),
         },
         ""};
@@ -369,8 +353,7 @@ const Record& scene_record() {
         {
             required(by_hand("version", "version", "Of this format: 1.")),
             by_hand("camera", "camera", "The camera."),
-            by_hand("cameras", "cameras",
-                    "Several cameras by name, in place of `camera`; the first is the default."),
+            by_hand("cameras", "cameras", "Several cameras by name, in place of `camera`; the first is the default."),
             by_hand("film", "film", "The picture that is made."),
             by_hand("integrator", "integrator", "How light is computed."),
             by_hand("environment", "environment", "Light from infinity; none: black."),

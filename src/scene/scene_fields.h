@@ -93,8 +93,7 @@ struct ChoiceNames;  // specialised where an enum is used in a row: static const
 template <class Owner, class Member>
 std::size_t member_offset(Member Owner::*member) {
     static const Owner instance{};
-    return std::size_t(reinterpret_cast<const char*>(&(instance.*member)) -
-                       reinterpret_cast<const char*>(&instance));
+    return std::size_t(reinterpret_cast<const char*>(&(instance.*member)) - reinterpret_cast<const char*>(&instance));
 }
 
 template <class Owner, class Member>

@@ -43,32 +43,28 @@ Fault mesh_fault(const MeshGeometry& mesh) {
         for (int corner = 0; corner < 3; ++corner)
             if (mesh.triangles[i][corner] >= vertex_count)
                 return "has a triangle (" + std::to_string(i) + ") with vertex " +
-                       std::to_string(mesh.triangles[i][corner]) + ", but there are " +
-                       std::to_string(vertex_count) + " vertices";
+                       std::to_string(mesh.triangles[i][corner]) + ", but there are " + std::to_string(vertex_count) +
+                       " vertices";
     const auto miscounted = [&](const char* name, std::size_t count, std::size_t wanted) -> Fault {
         if (count == 0 || count == wanted) return {};
-        return "has " + std::to_string(count) + " " + name + "; there must be none or " +
-               std::to_string(wanted);
+        return "has " + std::to_string(count) + " " + name + "; there must be none or " + std::to_string(wanted);
     };
     if (auto f = miscounted("normals", mesh.normals.size(), vertex_count)) return f;
     if (auto f = miscounted("uvs", mesh.uvs.size(), vertex_count)) return f;
     if (auto f = miscounted("tangents", mesh.tangents.size(), vertex_count)) return f;
     if (auto f = miscounted("colors", mesh.colors.size(), vertex_count)) return f;
     if (auto f = miscounted("slots", mesh.slots.size(), mesh.triangles.size())) return f;
-    if (!all_finite(mesh.normals) || !all_finite(mesh.uvs) || !all_finite(mesh.tangents) ||
-        !all_finite(mesh.colors))
+    if (!all_finite(mesh.normals) || !all_finite(mesh.uvs) || !all_finite(mesh.tangents) || !all_finite(mesh.colors))
         return "has a normal, uv, tangent or colour that is not finite";
     return {};
 }
 
 Fault voxels_fault(const VoxelGeometry& voxels) {
     const ivec3 size = voxels.size;
-    if (size.x < 1 || size.y < 1 || size.z < 1)
-        return "has no voxels: its size must be at least 1 along each axis";
+    if (size.x < 1 || size.y < 1 || size.z < 1) return "has no voxels: its size must be at least 1 along each axis";
     const std::size_t count = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
     if (voxels.cells.size() != count)
-        return "has " + std::to_string(voxels.cells.size()) + " cells; its size needs " +
-               std::to_string(count);
+        return "has " + std::to_string(voxels.cells.size()) + " cells; its size needs " + std::to_string(count);
     return {};
 }
 
@@ -76,8 +72,7 @@ Fault sdf_fault(const SdfGeometry& sdf) {
     if (sdf.root.op.empty()) return "has no expression";
     if (sdf.bounds) {
         const auto& [lower, upper] = *sdf.bounds;
-        if (!finite(lower) || !finite(upper) ||
-            !(lower.x < upper.x && lower.y < upper.y && lower.z < upper.z))
+        if (!finite(lower) || !finite(upper) || !(lower.x < upper.x && lower.y < upper.y && lower.z < upper.z))
             return "has bounds whose lower corner is not below the upper one";
     }
     return {};
@@ -93,12 +88,11 @@ overloaded(Functions...) -> overloaded<Functions...>;  // clang 16 does not dedu
 // Of a material, by the sizes of what it refers to.
 Fault material_fault(const kernels::Material& m, const Scene& scene) {
     if (!find_material_info(m.kind)) return "is of a kind that is not there";
-    for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture,
-                                        m.emission_texture, m.normal_texture, m.opacity_texture})
+    for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture, m.emission_texture,
+                                        m.normal_texture, m.opacity_texture})
         if (texture != kernels::NONE && texture >= scene.textures.size())
             return "refers to a texture that is not there";
-    if (m.interior != kernels::NONE && m.interior >= scene.media.size())
-        return "refers to a medium that is not there";
+    if (m.interior != kernels::NONE && m.interior >= scene.media.size()) return "refers to a medium that is not there";
     if (!at_least_zero(m.color) || !at_least_zero(m.absorption) || !at_least_zero(m.emission) ||
         !at_least_zero(m.eta) || !at_least_zero(m.k) || !at_least_zero(m.edge_color))
         return "has a colour, emission, absorption or complex index that is negative or not finite";
@@ -114,8 +108,7 @@ Fault object_fault(const Object& object, const Scene& scene, const std::vector<s
     if (object.geometry < 0 || std::size_t(object.geometry) >= scene.geometries.size())
         return "refers to a geometry that is not there";
     for (const int material : object.materials)
-        if (material < -1 || material >= int(scene.materials.size()))
-            return "refers to a material that is not there";
+        if (material < -1 || material >= int(scene.materials.size())) return "refers to a material that is not there";
     if (object.interior < -1 || object.interior >= int(scene.media.size()))
         return "refers to a medium that is not there";
     if (auto f = transform_fault(object.transform)) return f;
@@ -130,8 +123,7 @@ Fault object_fault(const Object& object, const Scene& scene, const std::vector<s
     }
     const bool closed = !std::holds_alternative<PlaneGeometry>(geometry.data) &&
                         !std::holds_alternative<RectangleGeometry>(geometry.data);
-    if (object.interior >= 0 && !closed)
-        return "is a " + kind + ", which has no inside for an interior medium";
+    if (object.interior >= 0 && !closed) return "is a " + kind + ", which has no inside for an interior medium";
     const std::uint32_t slots = slot_counts[std::size_t(object.geometry)];
     if (object.materials.empty()) return "has no material";
     if (object.materials.size() > 1 && object.materials.size() < slots)
@@ -146,9 +138,7 @@ std::string called(const char* noun, const std::string& name, std::size_t index)
 
 }  // namespace
 
-std::string_view kind_name(const Geometry& geometry) {
-    return geometry_family().records[geometry.data.index()].type;
-}
+std::string_view kind_name(const Geometry& geometry) { return geometry_family().records[geometry.data.index()].type; }
 
 std::uint32_t slot_count(const Geometry& geometry) {
     if (const auto* mesh = std::get_if<MeshGeometry>(&geometry.data))
@@ -168,11 +158,9 @@ Fault transform_fault(const mat4x3& transform) {
 }
 
 Fault fault(const Camera& camera) {
-    if (!finite(camera.from) || !finite(camera.at) || !finite(camera.up))
-        return "has a point that is not finite";
+    if (!finite(camera.from) || !finite(camera.at) || !finite(camera.up)) return "has a point that is not finite";
     const glm::dvec3 view = glm::dvec3(camera.at) - glm::dvec3(camera.from), up(camera.up);
-    if (!(glm::length(view) > 0))
-        return "looks at the point where it stands: \"from\" and \"at\" must differ";
+    if (!(glm::length(view) > 0)) return "looks at the point where it stands: \"from\" and \"at\" must differ";
     if (!(glm::length(glm::cross(view, up)) > 1e-6 * glm::length(view) * glm::length(up)))
         return "has \"up\" along its view";
     if (camera.kind == Camera::Kind::perspective && !(camera.fov > 0 && camera.fov < 180))
@@ -180,14 +168,12 @@ Fault fault(const Camera& camera) {
     if (camera.kind == Camera::Kind::orthographic && !above_zero(camera.height))
         return "has a height that is not above 0";
     if (!(camera.lens_radius >= 0 && finite(camera.lens_radius))) return "has a negative lens_radius";
-    if (!(camera.focus_distance >= 0 && finite(camera.focus_distance)))
-        return "has a negative focus_distance";
+    if (!(camera.focus_distance >= 0 && finite(camera.focus_distance))) return "has a negative focus_distance";
     return {};
 }
 
 Fault fault(const Film& film) {
-    if (film.size.x < 1 || film.size.y < 1)
-        return "has a size of zero: width and height must be at least 1 pixel";
+    if (film.size.x < 1 || film.size.y < 1) return "has a size of zero: width and height must be at least 1 pixel";
     if (film.size.x > 65536 || film.size.y > 65536) return "is more than 65536 pixels wide or high";
     if (!finite(film.exposure)) return "has an exposure that is not finite";
     if (!above_zero(film.filter_radius)) return "has a filter_radius that is not above 0";
@@ -204,17 +190,14 @@ Fault fault(const Light& light) {
             },
             [](const SpotLight& l) -> Fault {
                 if (!finite(l.position)) return "has a position that is not finite";
-                if (!finite(l.direction) || !(glm::length(l.direction) > 0))
-                    return "has a direction of length 0";
+                if (!finite(l.direction) || !(glm::length(l.direction) > 0)) return "has a direction of length 0";
                 if (!at_least_zero(l.intensity)) return "has an intensity that is negative or not finite";
-                if (!(l.inner_angle >= 0 && l.outer_angle <= 90 && l.inner_angle <= l.outer_angle &&
-                      l.outer_angle > 0))
+                if (!(l.inner_angle >= 0 && l.outer_angle <= 90 && l.inner_angle <= l.outer_angle && l.outer_angle > 0))
                     return "must have 0 ≤ inner_angle ≤ outer_angle ≤ 90 degrees, and outer_angle above 0";
                 return {};
             },
             [](const DirectionalLight& l) -> Fault {
-                if (!finite(l.direction) || !(glm::length(l.direction) > 0))
-                    return "has a direction of length 0";
+                if (!finite(l.direction) || !(glm::length(l.direction) > 0)) return "has a direction of length 0";
                 if (!at_least_zero(l.irradiance)) return "has an irradiance that is negative or not finite";
                 if (!(l.angular_radius >= 0 && l.angular_radius < 90))
                     return "must have an angular_radius from 0 to below 90 degrees";
@@ -225,8 +208,7 @@ Fault fault(const Light& light) {
 }
 
 Fault fault(const Medium& medium) {
-    if (!at_least_zero(medium.scattering) || !at_least_zero(medium.absorption) ||
-        !at_least_zero(medium.emission))
+    if (!at_least_zero(medium.scattering) || !at_least_zero(medium.absorption) || !at_least_zero(medium.emission))
         return "has a coefficient or emission that is negative or not finite";
     if (!(medium.g > -1 && medium.g < 1)) return "has g that is not between −1 and 1";
     const Erosion& erosion = medium.erosion;
@@ -243,45 +225,42 @@ Fault fault(const Grid& grid) {
     if (grid.size.x < 1 || grid.size.y < 1 || grid.size.z < 1) return "has a size of zero";
     const std::size_t count = std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z);
     if (grid.values.size() != count)
-        return "has " + std::to_string(grid.values.size()) + " values; its size needs " +
-               std::to_string(count);
+        return "has " + std::to_string(grid.values.size()) + " values; its size needs " + std::to_string(count);
     for (const float value : grid.values)
         if (!(value >= 0 && finite(value))) return "has a density that is negative or not finite";
     return transform_fault(grid.index_to_local);
 }
 
 Fault fault(const Geometry& geometry) {
-    return std::visit(
-        overloaded{
-            [](const MeshGeometry& mesh) { return mesh_fault(mesh); },
-            [](const VoxelGeometry& voxels) { return voxels_fault(voxels); },
-            [](const VolumeGeometry&) -> Fault { return {}; },
-            [](const SdfGeometry& sdf) { return sdf_fault(sdf); },
-            [](const SphereGeometry& sphere) -> Fault {
-                if (!above_zero(sphere.radius)) return "has a radius that is not above 0";
-                return {};
-            },
-            [](const BoxGeometry& box) -> Fault {
-                if (!above_zero(box.size.x) || !above_zero(box.size.y) || !above_zero(box.size.z))
-                    return "has an edge that is not above 0";
-                return {};
-            },
-            [](const PlaneGeometry&) -> Fault { return {}; },
-            [](const RectangleGeometry& rectangle) -> Fault {
-                if (!above_zero(rectangle.size.x) || !above_zero(rectangle.size.y))
-                    return "has an edge that is not above 0";
-                return {};
-            },
-        },
-        geometry.data);
+    return std::visit(overloaded{
+                          [](const MeshGeometry& mesh) { return mesh_fault(mesh); },
+                          [](const VoxelGeometry& voxels) { return voxels_fault(voxels); },
+                          [](const VolumeGeometry&) -> Fault { return {}; },
+                          [](const SdfGeometry& sdf) { return sdf_fault(sdf); },
+                          [](const SphereGeometry& sphere) -> Fault {
+                              if (!above_zero(sphere.radius)) return "has a radius that is not above 0";
+                              return {};
+                          },
+                          [](const BoxGeometry& box) -> Fault {
+                              if (!above_zero(box.size.x) || !above_zero(box.size.y) || !above_zero(box.size.z))
+                                  return "has an edge that is not above 0";
+                              return {};
+                          },
+                          [](const PlaneGeometry&) -> Fault { return {}; },
+                          [](const RectangleGeometry& rectangle) -> Fault {
+                              if (!above_zero(rectangle.size.x) || !above_zero(rectangle.size.y))
+                                  return "has an edge that is not above 0";
+                              return {};
+                          },
+                      },
+                      geometry.data);
 }
 
 Fault fault(const EnvironmentData& environment) {
     return std::visit(overloaded{
                           [](std::monostate) -> Fault { return {}; },
                           [](const ConstantEnvironment& e) -> Fault {
-                              if (!at_least_zero(e.radiance))
-                                  return "has a radiance that is negative or not finite";
+                              if (!at_least_zero(e.radiance)) return "has a radiance that is negative or not finite";
                               return {};
                           },
                           [](const ImageEnvironment& e) -> Fault {

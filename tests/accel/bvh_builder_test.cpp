@@ -26,8 +26,7 @@ std::vector<Box> random_boxes(std::size_t count, std::uint32_t seed) {
 }
 
 bool contains(const kernels::BvhNode& outer, const glm::vec3& lower, const glm::vec3& upper) {
-    return glm::all(glm::lessThanEqual(outer.lower, lower)) &&
-           glm::all(glm::greaterThanEqual(outer.upper, upper));
+    return glm::all(glm::lessThanEqual(outer.lower, lower)) && glm::all(glm::greaterThanEqual(outer.upper, upper));
 }
 
 // Every box in exactly one leaf, inside of all its ancestors; leaves small enough; depth as the statistics
@@ -94,8 +93,7 @@ TEST(BvhBuilder, the_tree_does_not_depend_on_the_number_of_threads) {
     }
     for (const Bvh& tree : trees) {
         ASSERT_EQ(tree.nodes.size(), trees[0].nodes.size());
-        EXPECT_EQ(std::memcmp(tree.nodes.data(), trees[0].nodes.data(),
-                              tree.nodes.size() * sizeof(kernels::BvhNode)),
+        EXPECT_EQ(std::memcmp(tree.nodes.data(), trees[0].nodes.data(), tree.nodes.size() * sizeof(kernels::BvhNode)),
                   0);
         EXPECT_EQ(tree.order, trees[0].order);
     }

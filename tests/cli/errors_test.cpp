@@ -46,12 +46,10 @@ TEST_F(CliErrors, a_harmed_scene_is_refused_and_says_where) {
         {with(good, "[24, 16]", "[24, -1]"), "scene.json:3:"},
         {with(good, "\"material\": \"matte\"", "\"material\": \"mat\""), "\"mat\""},
         {with(good, "\"material\"", "\"transform\": [{\"scale\": 0}], \"material\""), "scene.json:7:"},
-        {with(good, "\"material\"", "\"transform\": [1,0,0,0, 0,1,0,0, 1,1,0,0], \"material\""),
-         "scene.json:7:"},
+        {with(good, "\"material\"", "\"transform\": [1,0,0,0, 0,1,0,0, 1,1,0,0], \"material\""), "scene.json:7:"},
         {with(good, "\"radius\": 1", "\"radius\": -1"), "scene.json:7:"},
         {with(good, "\"spp\": 4", "\"spp\": 0"), "scene.json:4:"},
-        {with(good, "{\"type\": \"sphere\", \"radius\": 1}", "{\"type\": \"mesh\", \"file\": \"no.ply\"}"),
-         "no.ply"},
+        {with(good, "{\"type\": \"sphere\", \"radius\": 1}", "{\"type\": \"mesh\", \"file\": \"no.ply\"}"), "no.ply"},
         {with(good, "\"version\": 1", "\"version\": 2"), "scene.json:1:"},
         {with(good, "\"spp\": 4", "\"spp\": 4e"), "scene.json:4:"},
         {good.substr(0, good.size() / 2), "scene.json:"},
@@ -64,8 +62,7 @@ TEST_F(CliErrors, a_harmed_scene_is_refused_and_says_where) {
 TEST_F(CliErrors, an_unknown_integrator_is_refused_wherever_it_is_named) {
     expect_refused_file("scene.json", with(sphere_scene(), "\"spp\": 4", "\"type\": \"bdpt\""), "'bdpt'");
     write("scene.json", sphere_scene());
-    expect_refused({at("scene.json"), "--integrator", "bdpt"}, BAD_INPUT,
-                   "unknown integrator 'bdpt'; available: ");
+    expect_refused({at("scene.json"), "--integrator", "bdpt"}, BAD_INPUT, "unknown integrator 'bdpt'; available: ");
 }
 
 TEST_F(CliErrors, what_a_scene_does_not_have_is_refused) {
@@ -91,11 +88,10 @@ TEST_F(CliErrors, harmed_models_are_refused) {
                         "its PLY header is damaged");
     const std::string vox =
         std::string("VOX ") + raw<int>(150) + "MAIN" + raw<int>(0) + raw<int>(1000) + "SIZE" + raw<int>(12);
-    for (const std::size_t length :
-         {std::size_t(0), std::size_t(3), std::size_t(6), std::size_t(14), vox.size()})
+    for (const std::size_t length : {std::size_t(0), std::size_t(3), std::size_t(6), std::size_t(14), vox.size()})
         expect_refused_file("cut.vox", vox.substr(0, length), "cut.vox");
-    for (const std::string name : {"empty.obj", "empty.ply", "empty.stl", "empty.off", "empty.glb",
-                                   "empty.gltf", "empty.svol", "empty.bits"})
+    for (const std::string name :
+         {"empty.obj", "empty.ply", "empty.stl", "empty.off", "empty.glb", "empty.gltf", "empty.svol", "empty.bits"})
         expect_refused_file(name, "", name);
     expect_refused_file("points.obj", "v 0 0 0\nv 1 0 0\n", "points.obj");
     expect_refused_file("picture.jpg", "not a model", "unknown extension '.jpg'");
@@ -118,8 +114,7 @@ TEST_F(CliErrors, an_output_that_cannot_be_written_is_refused_before_rendering) 
     const auto before = files();
     const auto expect = [&](const std::string& output, const std::string& why) {
         // So many samples that the test would run out of patience if it were noticed afterwards.
-        expect_complaint(run({"render", at("scene.json"), "-o", output, "--spp", "1000000000"}), BAD_INPUT,
-                         why);
+        expect_complaint(run({"render", at("scene.json"), "-o", output, "--spp", "1000000000"}), BAD_INPUT, why);
         EXPECT_EQ(files(), before);
     };
     expect(at("plain/picture.png"), "plain");
@@ -130,8 +125,7 @@ TEST_F(CliErrors, an_output_that_cannot_be_written_is_refused_before_rendering) 
         std::filesystem::permissions(folder, std::filesystem::perms::owner_write,
                                      std::filesystem::perm_options::remove);
         expect(at("picture.png"), "Permission denied");
-        std::filesystem::permissions(folder, std::filesystem::perms::owner_write,
-                                     std::filesystem::perm_options::add);
+        std::filesystem::permissions(folder, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
     }
 }
 
@@ -183,10 +177,8 @@ TEST_F(CliErrors, two_inputs_never_share_an_output) {
     std::filesystem::create_directories(folder / "b");
     write("a/same.json", sphere_scene());
     write("b/same.json", sphere_scene());
-    expect_complaint(run({"render", at("a/same.json"), at("b/same.json"), "-o", at("out/")}), USAGE,
-                     "same.png");
-    expect_complaint(run({"render", at("a/same.json"), at("b/same.json"), "-o", at("{name}.exr")}), USAGE,
-                     "same.exr");
+    expect_complaint(run({"render", at("a/same.json"), at("b/same.json"), "-o", at("out/")}), USAGE, "same.png");
+    expect_complaint(run({"render", at("a/same.json"), at("b/same.json"), "-o", at("{name}.exr")}), USAGE, "same.exr");
     EXPECT_EQ(files(), (std::vector<std::string>{"a", "b"}));
 }
 

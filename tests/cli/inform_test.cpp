@@ -49,8 +49,7 @@ TEST_F(CliInform, list_names_what_is_registered) {
         const Outcome one = run({"list", kind});
         EXPECT_EQ(one.code, 0);
         EXPECT_EQ(one.err, "");
-        EXPECT_TRUE(one.out.starts_with(member + " ") ||
-                    one.out.find("\n" + member + " ") != std::string::npos)
+        EXPECT_TRUE(one.out.starts_with(member + " ") || one.out.find("\n" + member + " ") != std::string::npos)
             << one.out;
         const Json json = Json::parse(run({"list", kind, "--json"}).out);
         ASSERT_TRUE(json.contains(kind));

@@ -58,8 +58,8 @@ TEST_F(CliInterrupt, sigterm_saves_an_exr) { expect_saved(SIGTERM, "a.exr", {"--
 TEST_F(CliInterrupt, an_interrupted_batch_keeps_what_is_done_and_begins_nothing_new) {
     write("a.json", sphere_scene());
     write("b.json", sphere_scene());
-    Child child = start(
-        {"render", at("a.json"), at("b.json"), "-o", at("{name}.png"), "--spp", "1000000000", "--quiet"});
+    Child child =
+        start({"render", at("a.json"), at("b.json"), "-o", at("{name}.png"), "--spp", "1000000000", "--quiet"});
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     child.send(SIGINT);
     const Outcome outcome = child.wait(20);

@@ -46,8 +46,7 @@ Exr read_exr(const std::string& path) {
     exr.width = spec.width;
     exr.height = spec.height;
     exr.channels = spec.channelnames;
-    for (const auto& attribute : spec.extra_attribs)
-        exr.attributes[attribute.name().string()] = attribute.get_string();
+    for (const auto& attribute : spec.extra_attribs) exr.attributes[attribute.name().string()] = attribute.get_string();
     exr.values.resize(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(spec.nchannels));
     EXPECT_TRUE(file->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, exr.values.data())) << path;
     return exr;
@@ -82,8 +81,8 @@ TEST_F(CliRender, parts_put_together_are_the_whole_bit_by_bit) {
     for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
             const int left = x_cuts[i], top = y_cuts[j], right = x_cuts[i + 1], bottom = y_cuts[j + 1];
-            const std::string crop = std::to_string(left) + "," + std::to_string(top) + "," +
-                                     std::to_string(right) + "," + std::to_string(bottom);
+            const std::string crop = std::to_string(left) + "," + std::to_string(top) + "," + std::to_string(right) +
+                                     "," + std::to_string(bottom);
             const Exr part = render("part.exr", {"--aov", "depth,normal", "--crop", crop});
             ASSERT_EQ(part.width, right - left);
             ASSERT_EQ(part.height, bottom - top);
@@ -102,8 +101,7 @@ TEST_F(CliRender, parts_put_together_are_the_whole_bit_by_bit) {
 TEST_F(CliRender, any_number_of_threads_gives_the_same_bits_and_another_seed_others) {
     const Exr one = render("one.exr", {"--threads", "1"});
     for (const char* threads : {"2", "7"})
-        EXPECT_TRUE(same_bits(render("many.exr", {"--threads", threads}).values, one.values))
-            << threads << " threads";
+        EXPECT_TRUE(same_bits(render("many.exr", {"--threads", threads}).values, one.values)) << threads << " threads";
     EXPECT_FALSE(same_bits(render("seed.exr", {"--seed", "1"}).values, one.values));
 }
 
@@ -117,8 +115,7 @@ TEST_F(CliRender, the_effective_settings_stand_in_the_file) {
     EXPECT_EQ(plain.attributes.at("spinel.input"), "scene.json");
     EXPECT_EQ(plain.attributes.at("spinel.stopped_by"), "samples");
     EXPECT_TRUE(plain.attributes.at("Software").starts_with("Spinel "));
-    const Exr other =
-        render("other.exr", {"--spp", "3", "--seed", "7", "--max-bounces", "2", "--size", "40x30"});
+    const Exr other = render("other.exr", {"--spp", "3", "--seed", "7", "--max-bounces", "2", "--size", "40x30"});
     EXPECT_EQ(other.attributes.at("spinel.spp"), "3");
     EXPECT_EQ(other.attributes.at("spinel.seed"), "7");
     EXPECT_EQ(other.attributes.at("spinel.max_bounces"), "2");
@@ -133,8 +130,7 @@ TEST_F(CliRender, further_outputs_are_what_they_are_named_for) {
     std::string text = sphere_scene();
     text.replace(text.find("[24, 16]"), 8, "[25, 17], \"filter\": \"box\", \"filter_radius\": 0.5");
     write("scene.json", text);
-    const Exr exr =
-        render("aov.exr", {"--spp", "16", "--aov", "depth,normal,albedo,object,samples,variance"});
+    const Exr exr = render("aov.exr", {"--spp", "16", "--aov", "depth,normal,albedo,object,samples,variance"});
     const int x = 12, y = 8;
     EXPECT_NEAR(exr.at(x, y, "depth.Z"), 4.0f, 0.02f);
     EXPECT_NEAR(exr.at(x, y, "normal.Z"), 1.0f, 0.02f);
@@ -148,8 +144,7 @@ TEST_F(CliRender, further_outputs_are_what_they_are_named_for) {
         for (int i = 0; i < exr.width; ++i) {
             const bool hit = std::isfinite(exr.at(i, j, "depth.Z")) && exr.at(i, j, "depth.Z") > 0;
             hits += hit;
-            const float nx = exr.at(i, j, "normal.X"), ny = exr.at(i, j, "normal.Y"),
-                        nz = exr.at(i, j, "normal.Z");
+            const float nx = exr.at(i, j, "normal.X"), ny = exr.at(i, j, "normal.Y"), nz = exr.at(i, j, "normal.Z");
             const float length = std::sqrt(nx * nx + ny * ny + nz * nz);
             if (hit) {
                 EXPECT_LE(length, 1.0f + 1e-5f) << "a mean of unit vectors, at " << i << " " << j;
@@ -174,8 +169,7 @@ TEST_F(CliRender, the_normal_of_one_sample_is_a_unit_vector) {
     int hits = 0;
     for (int y = 0; y < exr.height; ++y)
         for (int x = 0; x < exr.width; ++x) {
-            const float nx = exr.at(x, y, "normal.X"), ny = exr.at(x, y, "normal.Y"),
-                        nz = exr.at(x, y, "normal.Z");
+            const float nx = exr.at(x, y, "normal.X"), ny = exr.at(x, y, "normal.Y"), nz = exr.at(x, y, "normal.Z");
             if (nx == 0 && ny == 0 && nz == 0) continue;
             EXPECT_NEAR(std::sqrt(nx * nx + ny * ny + nz * nz), 1.0f, 1e-5f) << x << " " << y;
             EXPECT_GT(nz, 0.0f) << "what is seen faces the camera";
@@ -255,15 +249,15 @@ TEST_F(CliRender, quiet_says_nothing_and_json_gives_one_object) {
 TEST_F(CliRender, a_bad_file_of_a_batch_does_not_take_the_others_with_it) {
     write("bad.json", "{\"version\": 1, \"colour\": 2}");
     write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
-    const Outcome outcome = run({"render", scene, at("bad.json"), at("none.vox"), at("cube.obj"), "-o",
-                                 at("out/"), "--spp", "1", "--size", "16x9", "--quiet"});
+    const Outcome outcome = run({"render", scene, at("bad.json"), at("none.vox"), at("cube.obj"), "-o", at("out/"),
+                                 "--spp", "1", "--size", "16x9", "--quiet"});
     EXPECT_EQ(outcome.code, 1);
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(at("out/scene.png")));
     EXPECT_TRUE(std::filesystem::exists(at("out/cube.png")));
     EXPECT_FALSE(std::filesystem::exists(at("out/bad.png")));
-    const Outcome named = run({"render", scene, at("cube.obj"), "-o", at("made/{name}-small.exr"), "--spp",
-                               "1", "--size", "16x9", "--quiet"});
+    const Outcome named = run({"render", scene, at("cube.obj"), "-o", at("made/{name}-small.exr"), "--spp", "1",
+                               "--size", "16x9", "--quiet"});
     EXPECT_EQ(named.code, 0) << named.err;
     EXPECT_EQ(read_exr(at("made/scene-small.exr")).width, 16);
     EXPECT_EQ(read_exr(at("made/cube-small.exr")).width, 16);

@@ -28,8 +28,7 @@ struct Outcome {
 // A running program. Its streams go to files, which never fill up as pipes do.
 class Child {
   public:
-    Child(const std::vector<std::string>& arguments, std::filesystem::path folder)
-        : folder_(std::move(folder)) {
+    Child(const std::vector<std::string>& arguments, std::filesystem::path folder) : folder_(std::move(folder)) {
         std::vector<std::string> words = {SPINEL_PROGRAM};
         words.insert(words.end(), arguments.begin(), arguments.end());
         std::vector<char*> argv;
@@ -104,8 +103,7 @@ class ProgramTest : public FileTest {
     // Names in the folder, hidden ones too.
     std::vector<std::string> files() const {
         std::vector<std::string> names;
-        for (const auto& entry : std::filesystem::directory_iterator(folder))
-            names.push_back(entry.path().filename());
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
         std::sort(names.begin(), names.end());
         return names;
     }

@@ -119,15 +119,14 @@ std::string wavy_obj(int n) {
     for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i) {
             const double x = 2.0 * i / n - 1, z = 2.0 * j / n - 1;
-            text += "v " + std::to_string(x) + " " + std::to_string(0.3 * std::sin(7 * x) * std::cos(5 * z)) +
-                    " " + std::to_string(z) + "\n";
+            text += "v " + std::to_string(x) + " " + std::to_string(0.3 * std::sin(7 * x) * std::cos(5 * z)) + " " +
+                    std::to_string(z) + "\n";
         }
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
             const int a = j * (n + 1) + i + 1, b = a + 1, c = a + n + 1, d = c + 1;
             for (const auto& f : {std::array{a, c, b}, std::array{b, c, d}})
-                text += "f " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " +
-                        std::to_string(f[2]) + "\n";
+                text += "f " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " + std::to_string(f[2]) + "\n";
         }
     return text;
 }
@@ -139,8 +138,7 @@ std::string ball_vox(int n) {
     for (int z = 0; z < n; ++z)
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) {
-                const double r =
-                    std::hypot(x - 0.5 * n + 0.5, y - 0.5 * n + 0.5, z - 0.5 * n + 0.5) / (0.5 * n);
+                const double r = std::hypot(x - 0.5 * n + 0.5, y - 0.5 * n + 0.5, z - 0.5 * n + 0.5) / (0.5 * n);
                 if (r > 1 || (x * 7 + y * 3 + z * 5) % 11 == 0) continue;
                 cells += {char(x), char(y), char(z), char(r > 0.8 ? 3 : 1 + (x + y) % 2)};
                 ++count;
@@ -214,8 +212,7 @@ TEST_F(CliTrace, a_hit_is_what_geometry_says) {
 TEST_F(CliTrace, json_tells_the_rate) {
     write("ball.json", scene_of(R"({"geometry": {"type": "sphere"}, "material": "matte"})"));
     write("rays.npy", rays_npy(random_rays(100, {0, 0, 0}, 1)));
-    const Outcome outcome =
-        run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--json"});
+    const Outcome outcome = run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
     const auto json = nlohmann::json::parse(outcome.out);
@@ -223,8 +220,7 @@ TEST_F(CliTrace, json_tells_the_rate) {
     EXPECT_GT(json["hits"].get<int>(), 0);
     EXPECT_LT(json["hits"].get<int>(), 100);
     EXPECT_GT(json["mrays_per_s"].get<double>(), 0);
-    const Outcome quiet =
-        run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--quiet"});
+    const Outcome quiet = run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--quiet"});
     EXPECT_EQ(quiet.code, 0);
     EXPECT_EQ(quiet.out + quiet.err, "");
 }
@@ -262,21 +258,18 @@ TEST_F(CliTrace, wrong_rays_are_refused) {
     };
     for (const auto& [bytes, why] : wrong) {
         write("rays.npy", bytes);
-        expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy")}), 1,
-                         why);
+        expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy")}), 1, why);
         EXPECT_EQ(files(), (std::vector<std::string>{"ball.json", "rays.npy"}));
     }
     std::filesystem::remove(at("rays.npy"));
     expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy")}), 1,
                      "there is no such file");
     write("rays.npy", rays_npy(random_rays(1, {0, 0, 0}, 1)));
-    expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("none/hits.npy")}), 1,
-                     "none");
+    expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("none/hits.npy")}), 1, "none");
     expect_complaint(
-        run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--accel", "octree"}),
-        1, "available: bvh2, brute-force");
-    expect_complaint(run({"trace", at("none.json"), "--rays", at("rays.npy"), "-o", at("hits.npy")}), 1,
-                     "none.json");
+        run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--accel", "octree"}), 1,
+        "available: bvh2, brute-force");
+    expect_complaint(run({"trace", at("none.json"), "--rays", at("rays.npy"), "-o", at("hits.npy")}), 1, "none.json");
 }
 
 }  // namespace

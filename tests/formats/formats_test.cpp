@@ -29,9 +29,9 @@ TEST_F(Formats, every_row_is_complete_and_no_extension_stands_twice) {
 TEST_F(Formats, an_unknown_extension_is_an_error_that_lists_what_there_is) {
     const Result<Scene> scene = load_model("x.foo");
     ASSERT_FALSE(scene);
-    EXPECT_EQ(scene.error().message.find(
-                  "cannot read 'x.foo': unknown extension '.foo'; readable: .vox, .gltf, .glb, .obj"),
-              0u)
+    EXPECT_EQ(
+        scene.error().message.find("cannot read 'x.foo': unknown extension '.foo'; readable: .vox, .gltf, .glb, .obj"),
+        0u)
         << scene.error().message;
     const Result<void> saved = save_model({}, "x.vox");
     ASSERT_FALSE(saved);

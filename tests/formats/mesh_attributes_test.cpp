@@ -57,8 +57,7 @@ TEST(MeshAttributes, vertices_at_one_place_are_smoothed_as_one) {
     generate_normals(soup, 180);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int c = 0; c < 3; ++c)
-            EXPECT_LT(glm::length(mesh.normals[mesh.triangles[t][c]] - soup.normals[soup.triangles[t][c]]),
-                      1e-5f);
+            EXPECT_LT(glm::length(mesh.normals[mesh.triangles[t][c]] - soup.normals[soup.triangles[t][c]]), 1e-5f);
 }
 
 TEST(MeshAttributes, degenerate_triangles_and_tiny_coordinates_give_no_nan) {
@@ -68,10 +67,8 @@ TEST(MeshAttributes, degenerate_triangles_and_tiny_coordinates_give_no_nan) {
     mesh.uvs = {{0, 0}, {1, 0}, {0, 1}, {0, 0}};
     generate_normals(mesh, 60);
     generate_tangents(mesh);
-    for (const vec3& n : mesh.normals)
-        EXPECT_TRUE(glm::length(n) == 0.0f || std::abs(glm::length(n) - 1) < 1e-5f);
-    for (const vec4& t : mesh.tangents)
-        EXPECT_TRUE(t == vec4(0) || std::abs(glm::length(vec3(t)) - 1) < 1e-5f);
+    for (const vec3& n : mesh.normals) EXPECT_TRUE(glm::length(n) == 0.0f || std::abs(glm::length(n) - 1) < 1e-5f);
+    for (const vec4& t : mesh.tangents) EXPECT_TRUE(t == vec4(0) || std::abs(glm::length(vec3(t)) - 1) < 1e-5f);
     const uvec3 tiny = mesh.triangles[0];
     EXPECT_NEAR(mesh.normals[tiny.x].z, 1.0f, 1e-6f);
     EXPECT_NEAR(mesh.tangents[tiny.x].x, 1.0f, 1e-6f);

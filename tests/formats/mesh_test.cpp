@@ -19,10 +19,8 @@ std::string base64(const std::string& bytes) {
     std::string result;
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         std::uint32_t word = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            word = word << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            result += i + k > bytes.size() ? '=' : digits[word >> (18 - 6 * k) & 63];
+        for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) result += i + k > bytes.size() ? '=' : digits[word >> (18 - 6 * k) & 63];
     }
     return result;
 }
@@ -35,8 +33,7 @@ class Mesh : public FileTest {
   protected:
     // A glTF of one triangle (0,0,0) (1,0,0) (0,1,0) with uvs; `nodes`, `materials` and the rest are JSON
     // text.
-    std::filesystem::path gltf(const std::string& nodes, const std::string& materials,
-                               const std::string& more = "") {
+    std::filesystem::path gltf(const std::string& nodes, const std::string& materials, const std::string& more = "") {
         std::string data;
         for (const float f : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) data += raw(f);  // positions
         for (int i = 0; i < 3; ++i)
@@ -105,8 +102,7 @@ TEST_F(Mesh, textures_of_an_obj_are_found_beside_it) {
     write_png("red map.png", Image{2, 1, 3, {1, 0, 0, 0, 1, 0}}, {"R", "G", "B"});
     write_png("holes.png", Image{2, 1, 1, {0, 1}}, {"Y"});
     write("m.mtl", "newmtl a\nKd 1 1 1\nmap_Kd red map.png\nmap_d holes.png\n");
-    const std::string obj =
-        "mtllib m.mtl\n" + triangle_obj + "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+    const std::string obj = "mtllib m.mtl\n" + triangle_obj + "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
     const Result<Scene> scene = load_mesh(write("a.obj", obj));
     ASSERT_TRUE(scene) << scene.error().message;
     const kernels::Material& m = scene->materials[0].values;
@@ -117,8 +113,7 @@ TEST_F(Mesh, textures_of_an_obj_are_found_beside_it) {
     EXPECT_EQ(color.pixels->width, 2);
     const auto& opacity = std::get<ImageTexture>(scene->textures[m.opacity_texture].data);
     EXPECT_FALSE(opacity.srgb);
-    EXPECT_EQ(std::get<std::vector<std::uint8_t>>(opacity.pixels->data),
-              (std::vector<std::uint8_t>{255, 0, 255, 255}));
+    EXPECT_EQ(std::get<std::vector<std::uint8_t>>(opacity.pixels->data), (std::vector<std::uint8_t>{255, 0, 255, 255}));
     ASSERT_EQ(mesh_of(*scene).tangents.size(), 3u);
     EXPECT_EQ(mesh_of(*scene).tangents[0], vec4(1, 0, 0, 1));
     EXPECT_EQ(mesh_of(*scene).uvs[2], vec2(0, 1));
@@ -148,18 +143,17 @@ TEST_F(Mesh, vertices_that_are_not_finite_are_named) {
     expect_refused(load_mesh(bad_path), bad_path, "vertex 2 is not finite");
     const auto beyond_path = write("beyond.ply", beyond + std::string(1, '\3') + raw(0) + raw(1) + raw(7));
     expect_refused(load_mesh(beyond_path), beyond_path);
-    const auto negative_path =
-        write("negative.ply", beyond + std::string(1, '\3') + raw(0) + raw(1) + raw(-2));
+    const auto negative_path = write("negative.ply", beyond + std::string(1, '\3') + raw(0) + raw(1) + raw(-2));
     expect_refused(load_mesh(negative_path), negative_path);
 }
 
 TEST_F(Mesh, colors_of_a_scan_are_decoded_and_stand_on_white) {
-    const auto path = write(
-        "a.ply",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-        "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
-        "property list uchar int vertex_indices\nend_header\n"
-        "0 0 0 255 0 128\n1 0 0 255 0 128\n0 1 0 255 0 128\n3 0 1 2\n");
+    const auto path =
+        write("a.ply",
+              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+              "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+              "property list uchar int vertex_indices\nend_header\n"
+              "0 0 0 255 0 128\n1 0 0 255 0 128\n0 1 0 255 0 128\n3 0 1 2\n");
     const Result<Scene> scene = load_mesh(path);
     ASSERT_TRUE(scene) << scene.error().message;
     ASSERT_EQ(mesh_of(*scene).colors.size(), 3u);
@@ -176,8 +170,7 @@ TEST_F(Mesh, an_stl_is_smoothed_over_its_facets) {
     for (const vec3& apex : {vec3(-1, 0, 0), vec3(c, 0, s)}) {
         for (int i = 0; i < 3; ++i) stl += raw(0.0f);
         const bool left = apex.x < 0;
-        for (const vec3& p :
-             {left ? vec3(0, 1, 0) : vec3(0, 0, 0), left ? vec3(0, 0, 0) : vec3(0, 1, 0), apex}) {
+        for (const vec3& p : {left ? vec3(0, 1, 0) : vec3(0, 0, 0), left ? vec3(0, 0, 0) : vec3(0, 1, 0), apex}) {
             for (int i = 0; i < 3; ++i) stl += raw(p[i]);
         }
         stl += raw(std::uint16_t(0));
@@ -209,13 +202,12 @@ TEST_F(Mesh, gltf_nodes_place_one_geometry_many_times) {
 
 TEST_F(Mesh, gltf_materials_keep_their_factors_and_textures) {
     write_png("c.png", Image{1, 1, 4, {0.2f, 0.4f, 0.6f, 0.4f}}, {"R", "G", "B", "A"});
-    const auto path =
-        gltf(R"([{"mesh": 0}])", R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 0.8],
+    const auto path = gltf(R"([{"mesh": 0}])", R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 0.8],
             "metallicFactor": 0.3, "roughnessFactor": 0.7, "baseColorTexture": {"index": 0},
             "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0, "scale": 0.5},
             "emissiveFactor": [1, 0.5, 0], "alphaMode": "BLEND", "doubleSided": true,
             "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}, "KHR_materials_ior": {"ior": 1.7}}}])",
-             R"(, "textures": [{"source": 0, "sampler": 0}], "images": [{"uri": "c.png"}],
+                           R"(, "textures": [{"source": 0, "sampler": 0}], "images": [{"uri": "c.png"}],
             "samplers": [{"magFilter": 9728, "wrapS": 33071, "wrapT": 33071}])");
     const Result<Scene> scene = load_gltf(path);
     ASSERT_TRUE(scene) << scene.error().message;
@@ -244,24 +236,21 @@ TEST_F(Mesh, gltf_materials_keep_their_factors_and_textures) {
 
 TEST_F(Mesh, a_mask_is_all_or_nothing_at_its_cutoff) {
     write_png("c.png", Image{2, 1, 4, {1, 1, 1, 0.4f, 1, 1, 1, 0.6f}}, {"R", "G", "B", "A"});
-    const auto path =
-        gltf(R"([{"mesh": 0}])",
-             R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "alphaMode": "MASK"}])",
-             R"(, "textures": [{"source": 0}], "images": [{"uri": "c.png"}])");
+    const auto path = gltf(R"([{"mesh": 0}])",
+                           R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "alphaMode": "MASK"}])",
+                           R"(, "textures": [{"source": 0}], "images": [{"uri": "c.png"}])");
     const Result<Scene> scene = load_gltf(path);
     ASSERT_TRUE(scene) << scene.error().message;
-    const auto& texture =
-        std::get<ImageTexture>(scene->textures.at(scene->materials[0].values.opacity_texture).data);
-    EXPECT_EQ(std::get<std::vector<std::uint8_t>>(texture.pixels->data),
-              (std::vector<std::uint8_t>{255, 0, 255, 255}));
+    const auto& texture = std::get<ImageTexture>(scene->textures.at(scene->materials[0].values.opacity_texture).data);
+    EXPECT_EQ(std::get<std::vector<std::uint8_t>>(texture.pixels->data), (std::vector<std::uint8_t>{255, 0, 255, 255}));
 }
 
 TEST_F(Mesh, transmission_becomes_glass_that_attenuates) {
-    const auto path = gltf(
-        R"([{"mesh": 0}])", R"([{"pbrMetallicRoughness": {"roughnessFactor": 0}, "extensions": {
+    const auto path =
+        gltf(R"([{"mesh": 0}])", R"([{"pbrMetallicRoughness": {"roughnessFactor": 0}, "extensions": {
         "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.33}, "KHR_materials_volume":
         {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.25, 0.5, 1]}}}])",
-        R"(, "extensionsUsed": ["KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior"])");
+             R"(, "extensionsUsed": ["KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior"])");
     const Result<Scene> scene = load_gltf(path);
     ASSERT_TRUE(scene) << scene.error().message;
     const kernels::Material& m = scene->materials[0].values;
@@ -294,21 +283,18 @@ TEST_F(Mesh, gltf_cameras_and_lights_stand_where_their_nodes_are) {
 }
 
 TEST_F(Mesh, what_cannot_be_read_right_is_refused_with_its_name) {
-    const auto draco =
-        gltf(R"([{"mesh": 0}])", "[{}]", R"(, "extensionsRequired": ["EXT_meshopt_compression"])");
+    const auto draco = gltf(R"([{"mesh": 0}])", "[{}]", R"(, "extensionsRequired": ["EXT_meshopt_compression"])");
     expect_refused(load_gltf(draco), draco, "EXT_meshopt_compression");
-    const auto missing =
-        gltf(R"([{"mesh": 0}])", R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])",
-             R"(, "textures": [{"source": 0}], "images": [{"uri": "gone.png"}])");
+    const auto missing = gltf(R"([{"mesh": 0}])", R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])",
+                              R"(, "textures": [{"source": 0}], "images": [{"uri": "gone.png"}])");
     expect_refused(load_gltf(missing), missing, "gone.png");
-    for (const auto& [name, bytes] :
-         std::map<std::string, std::string>{{"empty.obj", ""},
-                                            {"points.obj", triangle_obj},
-                                            {"lines.obj", triangle_obj + "l 1 2\n"},
-                                            {"beyond.obj", triangle_obj + "f 1 2 9\n"},
-                                            {"text.ply", "hello"},
-                                            {"short.stl", std::string(84, '\1')},
-                                            {"a.off", "OFF\n3 1 0\n0 0 0\n"}}) {
+    for (const auto& [name, bytes] : std::map<std::string, std::string>{{"empty.obj", ""},
+                                                                        {"points.obj", triangle_obj},
+                                                                        {"lines.obj", triangle_obj + "l 1 2\n"},
+                                                                        {"beyond.obj", triangle_obj + "f 1 2 9\n"},
+                                                                        {"text.ply", "hello"},
+                                                                        {"short.stl", std::string(84, '\1')},
+                                                                        {"a.off", "OFF\n3 1 0\n0 0 0\n"}}) {
         const auto path = write(name, bytes);
         expect_refused(load_mesh(path), path);
     }
@@ -347,8 +333,7 @@ TEST_F(Mesh, reads_real_files) {
         EXPECT_EQ(scene->objects.size(), c.objects) << c.file;
         EXPECT_EQ(scene->textures.size(), c.textures) << c.file;
         std::size_t triangles = 0;
-        for (std::size_t g = 0; g < scene->geometries.size(); ++g)
-            triangles += mesh_of(*scene, g).triangles.size();
+        for (std::size_t g = 0; g < scene->geometries.size(); ++g) triangles += mesh_of(*scene, g).triangles.size();
         EXPECT_EQ(triangles, c.triangles) << c.file;
     }
 }
@@ -360,8 +345,7 @@ TEST_F(Mesh, the_normals_of_a_scan_point_the_way_its_faces_do) {
     ASSERT_TRUE(scene);
     const MeshGeometry& mesh = mesh_of(*scene);
     for (const uvec3& t : mesh.triangles) {
-        const vec3 n =
-            glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+        const vec3 n = glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
         if (glm::length(n) == 0.0f) continue;
         for (int c = 0; c < 3; ++c) ASSERT_GT(glm::dot(glm::normalize(n), mesh.normals[t[c]]), -0.2f);
     }

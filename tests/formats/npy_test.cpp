@@ -24,8 +24,8 @@ using Npy = FileTest;
 
 TEST_F(Npy, rays_are_read_in_the_order_of_the_format) {
     for (const char major : {1, 2, 3}) {
-        const auto path = write(
-            "r.npy", npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 8), }   ", floats16, major));
+        const auto path =
+            write("r.npy", npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 8), }   ", floats16, major));
         const Result<std::vector<TraceRay>> rays = read_rays_npy(path);
         ASSERT_TRUE(rays) << rays.error().message;
         ASSERT_EQ(rays->size(), 2u);
@@ -54,8 +54,7 @@ TEST_F(Npy, what_is_not_a_batch_of_rays_is_refused_with_the_reason) {
     refused("{'descr': '<f4', 'fortran_order': False, 'shape': (16,), }", floats16, "(N, 8)");
     refused("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 8), }", floats16, "need 96 bytes");
     refused("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 8), }", floats16, "need 32 bytes");
-    refused("{'descr': '<f4', 'fortran_order': False, 'shape': (18446744073709551615, 8), }", floats16,
-            "rays");
+    refused("{'descr': '<f4', 'fortran_order': False, 'shape': (18446744073709551615, 8), }", floats16, "rays");
     refused("{'descr': '<f4', 'fortran_order': False, 'shape': (576460752303423489, 8), }", floats16, "rays");
     refused("{'descr': '<f4', 'shape': (2, 8), }", floats16, "header is damaged");
     refused("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 8), ", floats16, "header is damaged");
@@ -90,8 +89,8 @@ TEST_F(Npy, hits_are_written_as_the_structured_array_that_numpy_reads) {
                         "'fortran_order': False, 'shape': (3,), }"),
               0u);
     ASSERT_EQ(bytes.size(), 10 + length + 3 * 48);
-    const std::string row = raw(1.5f) + raw(2u) + raw(3u) + raw(0.25f) + raw(0.5f) + raw(0.0f) + raw(1.0f) +
-                            raw(0.0f) + raw(-4) + raw(5) + raw(6) + raw(7u);
+    const std::string row = raw(1.5f) + raw(2u) + raw(3u) + raw(0.25f) + raw(0.5f) + raw(0.0f) + raw(1.0f) + raw(0.0f) +
+                            raw(-4) + raw(5) + raw(6) + raw(7u);
     EXPECT_EQ(bytes.substr(10 + length + 48, 48), row);
     EXPECT_TRUE(write_hits_npy(folder / "none.npy", {}));
 }

@@ -8,9 +8,7 @@
 namespace spinel {
 namespace {
 
-vec3 area_vector(const std::vector<vec3>& p, uvec3 t) {
-    return 0.5f * glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]);
-}
+vec3 area_vector(const std::vector<vec3>& p, uvec3 t) { return 0.5f * glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]); }
 
 // Every triangle faces the way of the polygon and their areas add up: nothing is covered twice.
 void expect_exact_cover(const std::vector<vec3>& corners, vec3 area) {
@@ -75,10 +73,9 @@ TEST(Polygon, a_convex_polygon_is_a_fan_whatever_its_size) {
 
 TEST(Polygon, what_crosses_itself_or_has_no_area_still_ends) {
     const unsigned polygon[] = {0, 1, 2, 3, 4};
-    for (const auto& corners :
-         {std::vector<vec3>(5, vec3(1)),
-          {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}},
-          {{0, 1, 0}, {0.6f, -0.8f, 0}, {-1, 0.3f, 0}, {1, 0.3f, 0}, {-0.6f, -0.8f, 0}}}) {
+    for (const auto& corners : {std::vector<vec3>(5, vec3(1)),
+                                {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}},
+                                {{0, 1, 0}, {0.6f, -0.8f, 0}, {-1, 0.3f, 0}, {1, 0.3f, 0}, {-0.6f, -0.8f, 0}}}) {
         std::vector<uvec3> triangles;
         triangulate(corners, polygon, triangles);
         EXPECT_EQ(triangles.size(), 3u);

@@ -76,8 +76,8 @@ TEST_F(RawVolume, integers_become_0_to_1) {
     const Result<Scene> u8 = load_svol(write("a.svol", head + "u8\n\n" + std::string("\x00\xff", 2)));
     ASSERT_TRUE(u8) << u8.error().message;
     EXPECT_EQ(u8->grids[0].values, (std::vector<float>{0, 1}));
-    const Result<Scene> u16 = load_svol(
-        write("b.svol", head + "u16\r\n\r\n" + raw(std::uint16_t(0x8000)) + raw(std::uint16_t(0xffff))));
+    const Result<Scene> u16 =
+        load_svol(write("b.svol", head + "u16\r\n\r\n" + raw(std::uint16_t(0x8000)) + raw(std::uint16_t(0xffff))));
     ASSERT_TRUE(u16) << u16.error().message;
     EXPECT_NEAR(u16->grids[0].values[0], 0.5f, 1e-4f);
     EXPECT_EQ(u16->grids[0].values[1], 1.0f);

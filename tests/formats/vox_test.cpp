@@ -41,8 +41,8 @@ std::string model(ivec3 size, const std::vector<Voxel>& voxels) {
 }
 std::string transform(int id, int child, const Dictionary& frame = {}, const Dictionary& attributes = {},
                       int layer = -1) {
-    return chunk("nTRN", number(id) + dictionary(attributes) + number(child) + number(-1) + number(layer) +
-                             number(1) + dictionary(frame));
+    return chunk("nTRN", number(id) + dictionary(attributes) + number(child) + number(-1) + number(layer) + number(1) +
+                             dictionary(frame));
 }
 std::string group(int id, const std::vector<int>& children) {
     std::string content = number(id) + dictionary({}) + number(int(children.size()));
@@ -69,10 +69,8 @@ std::vector<std::array<int, 3>> centers(const Scene& scene, const Object& object
         for (int j = 0; j < voxels.size.y; ++j)
             for (int i = 0; i < voxels.size.x; ++i) {
                 if (!voxels.cells[std::size_t(i + voxels.size.x * (j + voxels.size.y * k))]) continue;
-                const vec3 p =
-                    object.transform * vec4(float(i) + 0.5f, float(j) + 0.5f, float(k) + 0.5f, 1.0f);
-                result.push_back(
-                    {int(std::round(2 * p.x)), int(std::round(2 * p.y)), int(std::round(2 * p.z))});
+                const vec3 p = object.transform * vec4(float(i) + 0.5f, float(j) + 0.5f, float(k) + 0.5f, 1.0f);
+                result.push_back({int(std::round(2 * p.x)), int(std::round(2 * p.y)), int(std::round(2 * p.z))});
             }
     std::sort(result.begin(), result.end());
     return result;
@@ -118,9 +116,8 @@ TEST_F(Vox, the_default_palette_is_that_of_the_format) {
 
 TEST_F(Vox, entries_that_look_the_same_share_a_material) {
     std::string palette(1024, char(100));
-    const Result<Scene> scene =
-        load(model({3, 1, 1}, {{0, 0, 0, 5}, {1, 0, 0, 9}, {2, 0, 0, 200}}) + chunk("RGBA", palette) +
-             material(200, {{"_type", "_metal"}, {"_metal", "1"}}));
+    const Result<Scene> scene = load(model({3, 1, 1}, {{0, 0, 0, 5}, {1, 0, 0, 9}, {2, 0, 0, 200}}) +
+                                     chunk("RGBA", palette) + material(200, {{"_type", "_metal"}, {"_metal", "1"}}));
     ASSERT_TRUE(scene);
     EXPECT_EQ(scene->materials.size(), 2u);
     EXPECT_EQ(scene->objects[0].materials[4], scene->objects[0].materials[8]);
@@ -130,9 +127,9 @@ TEST_F(Vox, entries_that_look_the_same_share_a_material) {
 TEST_F(Vox, the_scene_graph_places_models_about_their_pivots) {
     // An L of three voxels, 3×2×1, turned by a quarter about z: (x, y) → (−y, x); in a group that is moved.
     const Dictionary turn = {{"_t", "10 20 30"}, {"_r", "17"}};  // rows: −y, x, z
-    const std::string chunks = model({3, 2, 1}, {{0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}}) +
-                               transform(0, 1) + group(1, {2}) + transform(2, 3, {{"_t", "100 0 0"}}) +
-                               group(3, {4}) + transform(4, 5, turn) + shape(5, 0);
+    const std::string chunks = model({3, 2, 1}, {{0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}}) + transform(0, 1) +
+                               group(1, {2}) + transform(2, 3, {{"_t", "100 0 0"}}) + group(3, {4}) +
+                               transform(4, 5, turn) + shape(5, 0);
     const Result<Scene> scene = load(chunks);
     ASSERT_TRUE(scene) << scene.error().message;
     ASSERT_EQ(scene->objects.size(), 1u);
@@ -145,9 +142,8 @@ TEST_F(Vox, the_scene_graph_places_models_about_their_pivots) {
 
 TEST_F(Vox, a_mirrored_model_fills_the_same_cells) {
     const std::string base = model({2, 3, 1}, {{0, 0, 0, 1}, {1, 2, 0, 1}});
-    const Result<Scene> scene =
-        load(base + transform(0, 1) + group(1, {2}) +
-             transform(2, 3, {{"_r", std::to_string(0 | 1 << 2 | 1 << 4)}}) + shape(3, 0));
+    const Result<Scene> scene = load(base + transform(0, 1) + group(1, {2}) +
+                                     transform(2, 3, {{"_r", std::to_string(0 | 1 << 2 | 1 << 4)}}) + shape(3, 0));
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(centers(*scene, scene->objects[0]), (Centers{{-1, 1, -3}, {1, 1, 1}}));
     EXPECT_LT(glm::determinant(mat3(scene->objects[0].transform)), 0.0f);
@@ -167,9 +163,8 @@ TEST_F(Vox, one_model_placed_twice_is_one_geometry) {
 TEST_F(Vox, hidden_nodes_and_layers_are_left_out) {
     const std::string hidden_layer = chunk("LAYR", number(3) + dictionary({{"_hidden", "1"}}) + number(-1));
     const std::string chunks = model({1, 1, 1}, {{0, 0, 0, 1}}) + transform(0, 1) + group(1, {2, 4, 6}) +
-                               transform(2, 3, {}, {{"_hidden", "1"}}) + shape(3, 0) +
-                               transform(4, 5, {}, {}, 3) + shape(5, 0) +
-                               transform(6, 7, {}, {{"_name", "seen"}}, 2) + shape(7, 0) + hidden_layer;
+                               transform(2, 3, {}, {{"_hidden", "1"}}) + shape(3, 0) + transform(4, 5, {}, {}, 3) +
+                               shape(5, 0) + transform(6, 7, {}, {{"_name", "seen"}}, 2) + shape(7, 0) + hidden_layer;
     const Result<Scene> scene = load(chunks);
     ASSERT_TRUE(scene);
     ASSERT_EQ(scene->objects.size(), 1u);
@@ -178,8 +173,7 @@ TEST_F(Vox, hidden_nodes_and_layers_are_left_out) {
 
 TEST_F(Vox, frames_of_an_animation_are_not_piled_up) {
     const std::string pack = chunk("PACK", number(2));
-    const Result<Scene> scene =
-        load(pack + model({1, 1, 1}, {{0, 0, 0, 1}}) + model({2, 1, 1}, {{0, 0, 0, 1}}));
+    const Result<Scene> scene = load(pack + model({1, 1, 1}, {{0, 0, 0, 1}}) + model({2, 1, 1}, {{0, 0, 0, 1}}));
     ASSERT_TRUE(scene);
     EXPECT_EQ(scene->objects.size(), 1u);
     EXPECT_EQ(std::get<VoxelGeometry>(scene->geometries[0].data).size.x, 1);
@@ -197,9 +191,7 @@ TEST_F(Vox, empty_models_are_skipped_and_a_file_of_nothing_is_refused) {
 
 TEST_F(Vox, materials_become_what_they_look_like) {
     const std::array<std::uint8_t, 4> red = {255, 50, 50, 255};
-    const auto kind = [&](const Dictionary& properties) {
-        return vox::appearance(red, properties).material.kind;
-    };
+    const auto kind = [&](const Dictionary& properties) { return vox::appearance(red, properties).material.kind; };
     EXPECT_EQ(kind({}), kernels::MATERIAL_DIFFUSE);
     EXPECT_EQ(kind({{"_type", "_diffuse"}}), kernels::MATERIAL_DIFFUSE);
     EXPECT_EQ(kind({{"_type", "_metal"}, {"_metal", "1"}}), kernels::MATERIAL_METAL);
@@ -216,8 +208,7 @@ TEST_F(Vox, materials_become_what_they_look_like) {
     const auto glass =
         vox::appearance(red, {{"_type", "_glass"}, {"_alpha", "0.5"}, {"_ior", "0.5"}, {"_rough", "0.1"}});
     EXPECT_FLOAT_EQ(glass.material.ior, 1.5f);
-    EXPECT_FLOAT_EQ(vox::appearance(red, {{"_type", "_glass"}, {"_ri", "1.7"}, {"_ior", "0.3"}}).material.ior,
-                    1.7f);
+    EXPECT_FLOAT_EQ(vox::appearance(red, {{"_type", "_glass"}, {"_ri", "1.7"}, {"_ior", "0.3"}}).material.ior, 1.7f);
     // White light through four voxels of it has the colour of the palette.
     EXPECT_NEAR(std::exp(-4 * glass.material.absorption.y), srgb_decoded(50 / 255.0f), 1e-4f);
     EXPECT_EQ(glass.material.absorption.x, 0.0f);
@@ -225,8 +216,7 @@ TEST_F(Vox, materials_become_what_they_look_like) {
 
 TEST_F(Vox, properties_that_are_no_numbers_do_no_harm) {
     for (const std::string odd : {"", "nan", "inf", "-1e30", "1e30", "abc", "0x10"}) {
-        for (const std::string type :
-             {"_diffuse", "_metal", "_glass", "_emit", "_plastic", "_media", "_blend"}) {
+        for (const std::string type : {"_diffuse", "_metal", "_glass", "_emit", "_plastic", "_media", "_blend"}) {
             Dictionary properties = {{"_type", type}};
             for (const char* key :
                  {"_rough", "_ior", "_ri", "_d", "_g", "_alpha", "_metal", "_emit", "_flux", "_weight"})
@@ -256,8 +246,7 @@ TEST_F(Vox, cells_of_a_cloud_are_a_volume_without_a_surface) {
 
 TEST_F(Vox, legacy_materials_are_read) {
     // Glass of weight 0.9 with roughness and index: bits 1 and 3.
-    const std::string matt =
-        chunk("MATT", number(1) + number(2) + raw(0.9f) + number(2 | 8) + raw(0.25f) + raw(0.4f));
+    const std::string matt = chunk("MATT", number(1) + number(2) + raw(0.9f) + number(2 | 8) + raw(0.25f) + raw(0.4f));
     const Result<Scene> scene = load(model({1, 1, 1}, {{0, 0, 0, 1}}) + matt);
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene->materials[0].values.kind, kernels::MATERIAL_DIELECTRIC);
@@ -267,8 +256,8 @@ TEST_F(Vox, legacy_materials_are_read) {
 
 std::string rich_file() {
     return model({3, 2, 1}, {{0, 0, 0, 1}, {1, 0, 0, 7}, {0, 1, 0, 9}}) + transform(0, 1) + group(1, {2}) +
-           transform(2, 3, {{"_t", "1 2 3"}, {"_r", "17"}}) + shape(3, 0) +
-           chunk("RGBA", std::string(1024, 'x')) + material(7, {{"_type", "_glass"}, {"_alpha", "0.5"}}) +
+           transform(2, 3, {{"_t", "1 2 3"}, {"_r", "17"}}) + shape(3, 0) + chunk("RGBA", std::string(1024, 'x')) +
+           material(7, {{"_type", "_glass"}, {"_alpha", "0.5"}}) +
            chunk("LAYR", number(0) + dictionary({{"_name", "l"}}) + number(-1)) +
            chunk("MATT", number(1) + number(0) + raw(1.0f) + number(0));
 }

@@ -26,8 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     spinel::check_scene(scene);
     if (!scene) return 0;
     const auto written = spinel::write_scene_json(*scene);
-    const auto again =
-        written ? spinel::read_scene_json(*written, "written.json", no_files) : written.error();
+    const auto again = written ? spinel::read_scene_json(*written, "written.json", no_files) : written.error();
     if (!again) {
         std::fprintf(stderr, "not read back: %s\n", again.error().message.c_str());
         std::abort();

@@ -97,8 +97,7 @@ TEST_P(SdfOperationTest, bounds_contain_the_solid) {
     vec3 grow = 0.5f * (scene.upper() - scene.lower());
     for (int i = 0; i < 50000; i++) {
         vec3 p = random.in_box(scene.lower() - grow, scene.upper() + grow);
-        bool within =
-            glm::all(glm::greaterThan(p, scene.lower())) && glm::all(glm::lessThan(p, scene.upper()));
+        bool within = glm::all(glm::greaterThan(p, scene.lower())) && glm::all(glm::lessThan(p, scene.upper()));
         if (!within) { ASSERT_GT(sdf_reference(scene.root, dvec3(p)), 0) << example(); }
     }
 }
@@ -167,8 +166,7 @@ TEST(SdfBuilder, random_expressions_agree_with_the_reference) {
             vec3 p = random.in_box(vec3(-2.5f), vec3(2.5f));
             double expected = sdf_reference(root, dvec3(p));
             float scale = scene.data.sdf.lipschitz;
-            bool within =
-                glm::all(glm::greaterThan(p, scene.lower())) && glm::all(glm::lessThan(p, scene.upper()));
+            bool within = glm::all(glm::greaterThan(p, scene.lower())) && glm::all(glm::lessThan(p, scene.upper()));
             if (!within) {
                 ASSERT_GT(expected, -1e-5 * scale) << "seed " << seed << ": " << sdf_text(root);
                 continue;
@@ -197,11 +195,8 @@ TEST(SdfBuilder, bounds_of_random_expressions_contain_the_solid) {
         for (int i = 0; i < 60; i++) {
             vec3 grow = 0.3f * (scene.upper() - scene.lower());
             vec3 p = random.in_box(scene.lower() - grow, scene.upper() + grow);
-            bool within =
-                glm::all(glm::greaterThan(p, scene.lower())) && glm::all(glm::lessThan(p, scene.upper()));
-            if (!within) {
-                ASSERT_GT(sdf_reference(root, dvec3(p)), 0) << "seed " << seed << ": " << sdf_text(root);
-            }
+            bool within = glm::all(glm::greaterThan(p, scene.lower())) && glm::all(glm::lessThan(p, scene.upper()));
+            if (!within) { ASSERT_GT(sdf_reference(root, dvec3(p)), 0) << "seed " << seed << ": " << sdf_text(root); }
         }
     }
     EXPECT_GT(finite, 500);
@@ -229,8 +224,7 @@ TEST(SdfBuilder, effects_around_a_repeat_see_true_values) {
     Result<SdfNode> root = parse_sdf_text("offset(1.6, repeat(2, 2, 2, sphere(0.5)))", "");
     Result<SdfData> data = build_sdf({*root, std::pair(vec3(-4), vec3(4))});
     ASSERT_FALSE(data);
-    EXPECT_NE(data.error().message.find("offset.repeat: period_x"), std::string::npos)
-        << data.error().message;
+    EXPECT_NE(data.error().message.find("offset.repeat: period_x"), std::string::npos) << data.error().message;
 }
 
 TEST(SdfBuilder, a_twist_in_a_large_scene_keeps_its_own_steepness) {
@@ -246,9 +240,8 @@ TEST(SdfBuilder, thousands_of_shapes_fit_into_the_registers) {
     SdfRandom random(31);
     for (int i = 0; i < 5000; i++) {
         vec3 p = random.in_box(vec3(-10), vec3(10));
-        SdfNode pair{"difference",
-                     {},
-                     {{"sphere", {0.3f}, {}}, {"rotate", {0, 1, 0, 20}, {{"box", {0.2f, 0.2f, 1}, {}}}}}};
+        SdfNode pair{
+            "difference", {}, {{"sphere", {0.3f}, {}}, {"rotate", {0, 1, 0, 20}, {{"box", {0.2f, 0.2f, 1}, {}}}}}};
         root.children.push_back({"translate", {p.x, p.y, p.z}, {pair}});
     }
     Result<SdfData> data = build_sdf({root, std::nullopt});

@@ -20,8 +20,7 @@ struct SdfTestScene {
     SdfTestScene(SdfNode node, SdfData built) : root(std::move(node)), data(std::move(built)) { connect(); }
     SdfTestScene(const SdfTestScene&) = delete;
 
-    explicit SdfTestScene(const std::string& text,
-                          std::optional<std::pair<vec3, vec3>> bounds = std::nullopt) {
+    explicit SdfTestScene(const std::string& text, std::optional<std::pair<vec3, vec3>> bounds = std::nullopt) {
         Result<SdfNode> node = parse_sdf_text(text, "test");
         if (!node) throw std::runtime_error(node.error().message);
         root = *node;

@@ -16,11 +16,9 @@ bool same(const SdfNode& a, const SdfNode& b) {
 
 TEST(SdfText, reads_numbers_before_children_comments_and_space) {
     Result<SdfNode> node = parse_sdf_text(
-        "# a die\ndifference( box(2,2, +2),  # body\n\ttranslate(.5, -0, 1e-1, sphere(1)))\n# end",
-        "die.sdf");
+        "# a die\ndifference( box(2,2, +2),  # body\n\ttranslate(.5, -0, 1e-1, sphere(1)))\n# end", "die.sdf");
     ASSERT_TRUE(node) << node.error().message;
-    SdfNode expected{
-        "difference", {}, {{"box", {2, 2, 2}, {}}, {"translate", {0.5f, 0, 0.1f}, {{"sphere", {1}, {}}}}}};
+    SdfNode expected{"difference", {}, {{"box", {2, 2, 2}, {}}, {"translate", {0.5f, 0, 0.1f}, {{"sphere", {1}, {}}}}}};
     EXPECT_TRUE(same(*node, expected)) << sdf_text(*node);
 }
 
@@ -50,8 +48,7 @@ TEST(SdfText, errors_tell_line_column_and_what_was_expected) {
              Case{"sphere(1) x", "f:1:11: expected the end, found 'x'"},
              Case{"union(\n  sphere(1),\n  box(1, 2))", "f:3:3: box takes numbers: x, y, z; 2 given"},
              Case{"union(sphere(1),)", "f:1:17: expected a number or an operation, found ')'"},
-             Case{"translate(1, 2, sphere(1), 3)",
-                  "f:1:28: the numbers of translate stand before its children"},
+             Case{"translate(1, 2, sphere(1), 3)", "f:1:28: the numbers of translate stand before its children"},
              Case{"sphere(-)", "f:1:8: expected a number, found '-'"},
              Case{"sphere(1e99)", "f:1:8: the number is beyond the range of single precision"},
              Case{"sphere(-inf)", "f:1:8: expected a number"},

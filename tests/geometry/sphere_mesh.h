@@ -20,9 +20,7 @@ inline MeshGeometry sphere_mesh(int steps) {
         for (int j = 0; j <= steps; ++j)
             for (int i = 0; i <= steps; ++i) {
                 // Equal angles: triangles of nearly equal size.
-                const auto tangent = [&](int k) {
-                    return std::tan((float(k) / float(steps) - 0.5f) * 1.5707963f);
-                };
+                const auto tangent = [&](int k) { return std::tan((float(k) / float(steps) - 0.5f) * 1.5707963f); };
                 vec3 p;
                 p[axis] = side;
                 p[(axis + 1) % 3] = tangent(i);
@@ -40,8 +38,7 @@ inline MeshGeometry sphere_mesh(int steps) {
     }
     double volume = 0;
     for (const uvec3 t : mesh.triangles)
-        volume +=
-            double(glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]))) / 6;
+        volume += double(glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]))) / 6;
     const float scale = float(std::cbrt(4.0 / 3.0 * 3.14159265358979 / volume));
     for (vec3& p : mesh.positions) p *= scale;
     return mesh;

@@ -63,8 +63,7 @@ class TestScene {
         const glm::dmat3 linear = glm::inverse(glm::dmat3(glm::mat3(transform)));
         const glm::mat3 inverse(linear);
         const mat4x3 to_object = affine(inverse, vec3(-(linear * glm::dvec3(transform[3]))));
-        instances_.push_back(
-            {transform, to_object, kind, geometry, count(slots_), NO, 0, flags, count(instances_)});
+        instances_.push_back({transform, to_object, kind, geometry, count(slots_), NO, 0, flags, count(instances_)});
         append(slots_, slots);
         return count(instances_) - 1;
     }
@@ -123,15 +122,12 @@ class TestScene {
         switch (instance.geometry_kind) {
             case kernels::GEOMETRY_MESH: local = mesh_bounds_[instance.geometry]; break;
             case kernels::GEOMETRY_VOXELS: local = {vec3(0), vec3(grids_[instance.geometry].size)}; break;
-            case kernels::GEOMETRY_SDF:
-                local = {sdfs_[instance.geometry].lower, sdfs_[instance.geometry].upper};
-                break;
+            case kernels::GEOMETRY_SDF: local = {sdfs_[instance.geometry].lower, sdfs_[instance.geometry].upper}; break;
             case kernels::GEOMETRY_RECTANGLE: local = {vec3(-1, 0, -1), vec3(1, 0, 1)}; break;
         }
         Box world{vec3(1e30f), vec3(-1e30f)};
         for (int corner = 0; corner < 8; ++corner) {
-            const vec3 p(corner & 1 ? local.upper.x : local.lower.x,
-                         corner & 2 ? local.upper.y : local.lower.y,
+            const vec3 p(corner & 1 ? local.upper.x : local.lower.x, corner & 2 ? local.upper.y : local.lower.y,
                          corner & 4 ? local.upper.z : local.lower.z);
             const vec3 q = instance.object_to_world * vec4(p, 1);
             world.lower = glm::min(world.lower, q);
@@ -172,8 +168,7 @@ inline MeshGeometry icosphere(int subdivisions) {
     for (int level = 0; level < subdivisions; ++level) {
         std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
         const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-            const auto [it, fresh] =
-                middles.try_emplace(std::minmax(a, b), std::uint32_t(mesh.positions.size()));
+            const auto [it, fresh] = middles.try_emplace(std::minmax(a, b), std::uint32_t(mesh.positions.size()));
             if (fresh) mesh.positions.push_back(glm::normalize(mesh.positions[a] + mesh.positions[b]));
             return it->second;
         };
@@ -192,13 +187,11 @@ inline MeshGeometry torus(std::uint32_t around, std::uint32_t across, float mino
     MeshGeometry mesh;
     for (std::uint32_t i = 0; i < around; ++i) {
         for (std::uint32_t j = 0; j < across; ++j) {
-            const float a = 2 * kernels::PI * float(i) / float(around),
-                        b = 2 * kernels::PI * float(j) / float(across);
+            const float a = 2 * kernels::PI * float(i) / float(around), b = 2 * kernels::PI * float(j) / float(across);
             const float r = 1 + minor * std::cos(b);
             mesh.positions.push_back({r * std::cos(a), minor * std::sin(b), r * std::sin(a)});
             const std::uint32_t i1 = (i + 1) % around, j1 = (j + 1) % across;
-            const std::uint32_t p = i * across + j, q = i1 * across + j, r0 = i * across + j1,
-                                s = i1 * across + j1;
+            const std::uint32_t p = i * across + j, q = i1 * across + j, r0 = i * across + j1, s = i1 * across + j1;
             mesh.triangles.push_back({p, r0, q});
             mesh.triangles.push_back({q, r0, s});
         }
@@ -212,9 +205,7 @@ struct Random {
     std::mt19937 engine;
     explicit Random(std::uint32_t seed) : engine(seed) {}
     float uniform(float a, float b) { return std::uniform_real_distribution<float>(a, b)(engine); }
-    std::uint32_t below(std::uint32_t n) {
-        return std::uniform_int_distribution<std::uint32_t>(0, n - 1)(engine);
-    }
+    std::uint32_t below(std::uint32_t n) { return std::uniform_int_distribution<std::uint32_t>(0, n - 1)(engine); }
     vec3 in_cube(float half = 1) {
         const float x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);
         return {x, y, z};
@@ -246,8 +237,8 @@ inline kernels::Ray ray(vec3 origin, vec3 direction, float t_min = 0, float t_ma
 inline std::string describe(const kernels::Ray& r) {
     char text[256];
     std::snprintf(text, sizeof text, "ray {%.9g, %.9g, %.9g} t_min %.9g {%.9g, %.9g, %.9g} t_max %.9g",
-                  double(r.origin.x), double(r.origin.y), double(r.origin.z), double(r.t_min),
-                  double(r.direction.x), double(r.direction.y), double(r.direction.z), double(r.t_max));
+                  double(r.origin.x), double(r.origin.y), double(r.origin.z), double(r.t_min), double(r.direction.x),
+                  double(r.direction.y), double(r.direction.z), double(r.t_max));
     return text;
 }
 

@@ -21,9 +21,8 @@ const fs::path data_folder = fs::path(SPINEL_SOURCE_DIR) / "../shared/data";
 class ImageIo : public testing::Test {
   protected:
     void SetUp() override {
-        folder =
-            fs::path(testing::TempDir()) /
-            (std::string("spinel_image_io_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder = fs::path(testing::TempDir()) /
+                 (std::string("spinel_image_io_") + testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(folder);
         fs::create_directories(folder);
     }
@@ -143,8 +142,7 @@ TEST_F(ImageIo, reads_from_memory_what_it_reads_from_disk) {
     const Result<PixelBuffer> pixels = read_pixels_from_memory(bytes.data(), bytes.size(), "texture 0.png");
     ASSERT_TRUE(pixels) << pixels.error().message;
     EXPECT_EQ(pixels->data, read_pixels(path)->data);
-    const Result<PixelBuffer> damaged =
-        read_pixels_from_memory(bytes.data(), bytes.size() / 2, "texture 0.png");
+    const Result<PixelBuffer> damaged = read_pixels_from_memory(bytes.data(), bytes.size() / 2, "texture 0.png");
     ASSERT_FALSE(damaged);
     EXPECT_NE(damaged.error().message.find("texture 0.png"), std::string::npos);
     EXPECT_FALSE(read_pixels_from_memory("hello", 5, "texture 1.png"));
@@ -164,8 +162,7 @@ TEST_F(ImageIo, an_error_is_one_line_with_the_name_of_the_file) {
 TEST_F(ImageIo, a_size_beyond_the_limit_is_refused_before_memory_is_taken) {
     ASSERT_TRUE(write_image(folder / "a.png", {{{"Y"}, ramp(2, 2, 1)}}));
     std::string bytes = bytes_of(folder / "a.png");
-    for (const int corner : {16, 20})
-        bytes[std::size_t(corner)] = 1;  // width and height grow by 2^24 in the header
+    for (const int corner : {16, 20}) bytes[std::size_t(corner)] = 1;  // width and height grow by 2^24 in the header
     EXPECT_FALSE(read_pixels_from_memory(bytes.data(), bytes.size(), "a.png"));
 }
 

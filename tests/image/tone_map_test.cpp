@@ -20,8 +20,7 @@ TEST(ToneMapping, srgb_curve_is_that_of_the_standard_and_its_inverse) {
     EXPECT_NEAR(srgb_encoded(0.5f), 0.735357f, 1e-5f);
     EXPECT_NEAR(srgb_encoded(0.002f), 0.02584f, 1e-6f);
     EXPECT_NEAR(srgb_encoded(1.0f), 1.0f, 1e-6f);
-    for (int i = 0; i <= 255; ++i)
-        EXPECT_NEAR(srgb_encoded(srgb_decoded(float(i) / 255)) * 255, float(i), 1e-3f);
+    for (int i = 0; i <= 255; ++i) EXPECT_NEAR(srgb_encoded(srgb_decoded(float(i) / 255)) * 255, float(i), 1e-3f);
 }
 
 TEST(ToneMapping, every_curve_rises_from_black_to_white) {
@@ -52,8 +51,7 @@ TEST(ToneMapping, a_stop_is_a_factor_of_two) {
 TEST(ToneMapping, whatever_comes_in_goes_out_between_0_and_1) {
     for (const ToneMap tone_map : ALL) {
         for (const float odd : {NAN, -NAN, -1.0f, -INFINITY, INFINITY, 3e38f, 1e-42f}) {
-            const Image mapped =
-                tone_mapped(Image{2, 1, 4, {odd, 0.5f, 0.0f, odd, 0.1f, odd, odd, 0.5f}}, tone_map, 3);
+            const Image mapped = tone_mapped(Image{2, 1, 4, {odd, 0.5f, 0.0f, odd, 0.1f, odd, odd, 0.5f}}, tone_map, 3);
             for (const float value : mapped.values) EXPECT_TRUE(value >= 0.0f && value <= 1.0f) << odd;
         }
         EXPECT_GT(grey(INFINITY, tone_map), 0.99f);

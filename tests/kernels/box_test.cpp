@@ -31,10 +31,10 @@ TEST(SlabTest, never_misses_a_box_through_one_of_its_points) {
         for (int axis = 0; axis < 3; ++axis) {
             const std::uint32_t where = random.below(3);
             const float f = random.uniform(0, 1);
-            p[axis] = where == 0   ? box.lower[axis]
-                      : where == 1 ? box.upper[axis]
-                                   : glm::clamp(glm::mix(box.lower[axis], box.upper[axis], f),
-                                                box.lower[axis], box.upper[axis]);
+            p[axis] = where == 0 ? box.lower[axis]
+                      : where == 1
+                          ? box.upper[axis]
+                          : glm::clamp(glm::mix(box.lower[axis], box.upper[axis], f), box.lower[axis], box.upper[axis]);
         }
         const vec3 direction = scale * random.awkward_direction();
         const vec3 origin = p - direction;

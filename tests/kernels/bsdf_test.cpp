@@ -48,8 +48,7 @@ std::vector<Case> all_cases(const std::vector<float>& roughnesses, vec3 color) {
                     Material m = default_material(info.kind);
                     m.ior = std::max(ior, 1 / ior);
                     cases.push_back({std::string(info.name) + ", roughness " + std::to_string(roughness) +
-                                         ", metallic " + std::to_string(metallic) + ", ior " +
-                                         std::to_string(ior),
+                                         ", metallic " + std::to_string(metallic) + ", ior " + std::to_string(ior),
                                      make_bsdf(m, color, roughness, metallic, ior), ior, metallic});
                 }
             }
@@ -87,8 +86,8 @@ dvec3 albedo(const Case& c, vec3 wo, uint count) {
     return sum / double(count);
 }
 
-void expect_samples_follow_density(const std::vector<float>& roughnesses, const std::vector<float>& cosines,
-                                   int count, int bins, int max_depth) {
+void expect_samples_follow_density(const std::vector<float>& roughnesses, const std::vector<float>& cosines, int count,
+                                   int bins, int max_depth) {
     std::vector<std::pair<Case, float>> tests;
     for (const Case& c : all_cases(roughnesses, vec3(0.8f, 0.5f, 0.2f))) {
         if (bsdf_is_delta(c.bsdf)) continue;
@@ -106,8 +105,7 @@ void expect_samples_follow_density(const std::vector<float>& roughnesses, const 
             else chi.add(s.direction);
         }
         const double p = chi.p_value([&](vec3 wi) { return double(bsdf_pdf(c.bsdf, wo, wi)); }, max_depth);
-        EXPECT_GT(p, test::sidak_threshold(int(tests.size())))
-            << c.name << ", cosine " << cosine << ", seed 7";
+        EXPECT_GT(p, test::sidak_threshold(int(tests.size()))) << c.name << ", cosine " << cosine << ", seed 7";
         EXPECT_LT(chi.integral(), 1.001) << c.name << ", cosine " << cosine;
     }
 }
@@ -117,8 +115,8 @@ TEST(Bsdf, samples_follow_their_density) {
 }
 
 TEST(BsdfSlow, samples_follow_their_density_finely) {
-    expect_samples_follow_density({0.0f, 0.15f, 0.3f, 0.5f, 0.75f, 1.0f}, {0.03f, 0.15f, 0.5f, 0.8f, 1.0f},
-                                  400000, 32, 13);
+    expect_samples_follow_density({0.0f, 0.15f, 0.3f, 0.5f, 0.75f, 1.0f}, {0.03f, 0.15f, 0.5f, 0.8f, 1.0f}, 400000, 32,
+                                  13);
 }
 
 TEST(Bsdf, weight_is_value_over_density) {
@@ -127,8 +125,7 @@ TEST(Bsdf, weight_is_value_over_density) {
             const vec3 wo = at_angle(cosine);
             for (uint i = 0; i < 200; ++i) {
                 const BsdfSample s = draw(c.bsdf, wo, i);
-                ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z) && std::isfinite(s.pdf))
-                    << c.name;
+                ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z) && std::isfinite(s.pdf)) << c.name;
                 ASSERT_GE(min_component(s.weight), 0.0f) << c.name;
                 if ((s.flags & LOBE_FAILED) != 0u) {
                     ASSERT_TRUE(is_black(s.weight)) << c.name;
@@ -179,8 +176,7 @@ TEST(Bsdf, is_reciprocal) {
                 b = dvec3(bsdf_eval(back, -wi, -wo)) / double(wo.z) / double(eta * eta);
             }
             ASSERT_LE(glm::length(a - b), 2e-3 * glm::length(a + b) + 1e-6)
-                << info.name << " roughness " << roughness << " eta " << eta << " wo.z " << wo.z << " wi.z "
-                << wi.z;
+                << info.name << " roughness " << roughness << " eta " << eta << " wo.z " << wo.z << " wi.z " << wi.z;
             if (glm::length(a) > 1e-6) ++compared;
         }
         EXPECT_GT(compared, 500) << info.name;
@@ -204,32 +200,20 @@ void expect_white(std::string_view kind, const std::vector<float>& roughnesses, 
     for (const Case& c : all_cases(roughnesses, vec3(1.0f))) {
         if (c.bsdf.kind != find_material_info(kind)->kind) continue;
         for (float cosine : {0.05f, 0.1f, 0.3f, 0.5f, 0.7f, 0.9f, 1.0f}) {
-            EXPECT_NEAR(albedo(c, at_angle(cosine), count).x, 1.0, tolerance)
-                << c.name << ", cosine " << cosine;
+            EXPECT_NEAR(albedo(c, at_angle(cosine), count).x, 1.0, tolerance) << c.name << ", cosine " << cosine;
             ++tested;
         }
     }
     EXPECT_GT(tested, 0);
 }
-const std::vector<float> furnace_roughnesses = {0.0f, 0.1f, 0.2f,  0.3f,  0.45f,
-                                                0.6f, 0.7f, 0.85f, 0.95f, 1.0f};
+const std::vector<float> furnace_roughnesses = {0.0f, 0.1f, 0.2f, 0.3f, 0.45f, 0.6f, 0.7f, 0.85f, 0.95f, 1.0f};
 
-TEST(BsdfFurnace, white_diffuse_loses_nothing) {
-    expect_white("diffuse", furnace_roughnesses, 0.002f, 32768);
-}
+TEST(BsdfFurnace, white_diffuse_loses_nothing) { expect_white("diffuse", furnace_roughnesses, 0.002f, 32768); }
 TEST(BsdfFurnace, white_metal_loses_nothing) { expect_white("metal", furnace_roughnesses, 0.005f, 65536); }
-TEST(BsdfFurnace, glass_loses_nothing) {
-    expect_white("dielectric", {0.0f, 0.1f, 0.3f, 0.45f, 0.6f}, 0.005f, 65536);
-}
-TEST(BsdfFurnace, rough_glass_loses_nothing) {
-    expect_white("dielectric", {0.7f, 0.85f, 1.0f}, 0.01f, 16384);
-}
-TEST(BsdfFurnace, white_plastic_loses_nothing) {
-    expect_white("plastic", furnace_roughnesses, 0.008f, 16384);
-}
-TEST(BsdfFurnace, white_principled_loses_nothing) {
-    expect_white("principled", furnace_roughnesses, 0.008f, 16384);
-}
+TEST(BsdfFurnace, glass_loses_nothing) { expect_white("dielectric", {0.0f, 0.1f, 0.3f, 0.45f, 0.6f}, 0.005f, 65536); }
+TEST(BsdfFurnace, rough_glass_loses_nothing) { expect_white("dielectric", {0.7f, 0.85f, 1.0f}, 0.01f, 16384); }
+TEST(BsdfFurnace, white_plastic_loses_nothing) { expect_white("plastic", furnace_roughnesses, 0.008f, 16384); }
+TEST(BsdfFurnace, white_principled_loses_nothing) { expect_white("principled", furnace_roughnesses, 0.008f, 16384); }
 
 TEST(BsdfSlow, furnace_over_all_roughnesses_and_indices) {
     double worst = 0;
@@ -292,15 +276,13 @@ TEST(Bsdf, density_of_reflection_and_refraction_is_the_inverse_jacobian) {
                             const vec3 wi = s.direction;
                             const vec3 m = glm::normalize(reflect ? wo + wi : wo + eta * wi);
                             const double fresnel = fresnel_dielectric(std::abs(glm::dot(wo, m)), eta);
-                            if (fresnel > 0.8)
-                                continue;  // next to total reflection differences lose their digits
-                            const double lambert =
-                                missing * (reflect ? 1 - b.energy.z : b.energy.z) * lambert_pdf(wi);
+                            if (fresnel > 0.8) continue;  // next to total reflection differences lose their digits
+                            const double lambert = missing * (reflect ? 1 - b.energy.z : b.energy.z) * lambert_pdf(wi);
                             const double lobe = (1 - missing) * (reflect ? fresnel : 1 - fresnel) *
                                                 test::density_of_direction_map(map, u, v, 5e-4);
                             EXPECT_NEAR((lobe + lambert) / s.pdf, 1.0, 0.02)
-                                << "roughness " << roughness << " eta " << eta << " cosine " << cosine
-                                << " at " << u << ", " << v;
+                                << "roughness " << roughness << " eta " << eta << " cosine " << cosine << " at " << u
+                                << ", " << v;
                             ++compared;
                         }
                     }
@@ -377,8 +359,8 @@ TEST(Bsdf, grazing_and_degenerate_directions_stay_finite) {
     for (const Case& c : all_cases({0.0f, 0.032f, 0.05f, 0.5f, 1.0f}, vec3(1.0f))) {
         for (float cosine : {1e-7f, 1e-4f, 1.0f}) {
             const vec3 wo = at_angle(cosine);
-            for (vec3 wi : {at_angle(1e-7f, 3.0f), wo, -wo, vec3(-wo.x, -wo.y, wo.z), vec3(0, 0, 1),
-                            vec3(0, 0, -1), vec3(1, 0, 0), vec3(0.6f, 0, -0.8f)}) {
+            for (vec3 wi : {at_angle(1e-7f, 3.0f), wo, -wo, vec3(-wo.x, -wo.y, wo.z), vec3(0, 0, 1), vec3(0, 0, -1),
+                            vec3(1, 0, 0), vec3(0.6f, 0, -0.8f)}) {
                 const vec4 v = bsdf_eval_pdf(c.bsdf, wo, wi);
                 ASSERT_TRUE(std::isfinite(v.x + v.y + v.z + v.w)) << c.name << ", cosine " << cosine;
                 ASSERT_GE(v.w, 0.0f) << c.name;
@@ -386,8 +368,7 @@ TEST(Bsdf, grazing_and_degenerate_directions_stay_finite) {
             }
             for (float u : {0.0f, 0.5f, ONE_MINUS_EPSILON}) {
                 for (float l : {0.0f, 0.5f, ONE_MINUS_EPSILON}) {
-                    const BsdfSample s =
-                        bsdf_sample(c.bsdf, wo, l, vec2(u, 1 - u > 0.9f ? ONE_MINUS_EPSILON : u));
+                    const BsdfSample s = bsdf_sample(c.bsdf, wo, l, vec2(u, 1 - u > 0.9f ? ONE_MINUS_EPSILON : u));
                     ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z + s.pdf)) << c.name;
                     ASSERT_GE(min_component(s.weight), 0.0f) << c.name;
                 }

@@ -88,8 +88,7 @@ TEST(Noise, octaves_add_detail) {
     EXPECT_NE(fbm_noise(p, 2u), value_noise(p));
     EXPECT_EQ(fbm_noise(p, 1000u), fbm_noise(p, FBM_MAX_OCTAVES));
     // Two octaves, written out.
-    const float expected =
-        (value_noise(p) + 0.5f * value_noise(2.0f * p + vec3(17.17f, 31.73f, 5.39f))) / 1.5f;
+    const float expected = (value_noise(p) + 0.5f * value_noise(2.0f * p + vec3(17.17f, 31.73f, 5.39f))) / 1.5f;
     EXPECT_NEAR(fbm_noise(p, 2u), expected, 1e-6f);
 }
 

@@ -14,8 +14,7 @@ using glm::dvec3;
 using glm::vec2;
 using glm::vec3;
 
-const float asymmetries[] = {-0.999f, -0.9f, -0.4f, -1e-4f, 0.0f, 1e-6f, 1e-3f,
-                             0.3f,    0.8f,  0.95f, 0.999f, 1.0f, -1.0f};
+const float asymmetries[] = {-0.999f, -0.9f, -0.4f, -1e-4f, 0.0f, 1e-6f, 1e-3f, 0.3f, 0.8f, 0.95f, 0.999f, 1.0f, -1.0f};
 
 TEST(Phase, integrates_to_one_with_mean_cosine_g) {
     for (float g : asymmetries) {

@@ -61,8 +61,7 @@ TEST(Sampler, powers_of_two_are_nets_in_every_pair) {
                             const uint x = uint(p.x * float(1u << a)), y = uint(p.y * float(1u << (m - a)));
                             ++hits[(x << (m - a)) + y];
                         }
-                        for (int h : hits)
-                            ASSERT_EQ(h, 1) << "m " << m << ", a " << a << ", dimension " << dimension;
+                        for (int h : hits) ASSERT_EQ(h, 1) << "m " << m << ", a " << a << ", dimension " << dimension;
                     }
                 }
             }
@@ -118,25 +117,21 @@ TEST(Sampler, neighbouring_pixels_seeds_and_dimensions_do_not_correlate) {
     const uint n = 1 << 16;
     auto pixel = [](uint i) { return uvec2(i & 255u, i >> 8); };
     for (uint d = 0; d < 4; ++d) {
+        EXPECT_LT(correlation_sigmas(
+                      [&](uint i) { return vec2(draw(pixel(i), 0, d).x, draw(pixel(i) + uvec2(1, 0), 0, d).x); }, n),
+                  4.5);
+        EXPECT_LT(correlation_sigmas(
+                      [&](uint i) { return vec2(draw(pixel(i), 0, d).x, draw(pixel(i) + uvec2(0, 1), 0, d).x); }, n),
+                  4.5);
         EXPECT_LT(
-            correlation_sigmas(
-                [&](uint i) { return vec2(draw(pixel(i), 0, d).x, draw(pixel(i) + uvec2(1, 0), 0, d).x); },
-                n),
+            correlation_sigmas([&](uint i) { return vec2(draw(pixel(i), 0, d).x, draw(pixel(i), 0, d + 1).x); }, n),
             4.5);
         EXPECT_LT(
-            correlation_sigmas(
-                [&](uint i) { return vec2(draw(pixel(i), 0, d).x, draw(pixel(i) + uvec2(0, 1), 0, d).x); },
-                n),
+            correlation_sigmas([&](uint i) { return vec2(draw(pixel(i), 0, d).y, draw(pixel(i), 0, d + 1).x); }, n),
             4.5);
-        EXPECT_LT(correlation_sigmas(
-                      [&](uint i) { return vec2(draw(pixel(i), 0, d).x, draw(pixel(i), 0, d + 1).x); }, n),
-                  4.5);
-        EXPECT_LT(correlation_sigmas(
-                      [&](uint i) { return vec2(draw(pixel(i), 0, d).y, draw(pixel(i), 0, d + 1).x); }, n),
-                  4.5);
-        EXPECT_LT(correlation_sigmas(
-                      [&](uint i) { return vec2(draw(pixel(i), 7, d, 1).x, draw(pixel(i), 7, d, 2).x); }, n),
-                  4.5);
+        EXPECT_LT(
+            correlation_sigmas([&](uint i) { return vec2(draw(pixel(i), 7, d, 1).x, draw(pixel(i), 7, d, 2).x); }, n),
+            4.5);
         EXPECT_LT(correlation_sigmas([&](uint i) { return draw(pixel(i), 3, d); }, n), 4.5);
     }
 }
@@ -144,8 +139,7 @@ TEST(Sampler, neighbouring_pixels_seeds_and_dimensions_do_not_correlate) {
 // Padding: within a pixel the points of two pairs of dimensions must be joined as if at random.
 TEST(Sampler, pairs_of_dimensions_are_uniform_jointly) {
     const int bins = 8, per_pixel = 64, pixels = 400;
-    std::vector<double> observed(bins * bins, 0.0),
-        expected(bins * bins, double(per_pixel) * pixels / (bins * bins));
+    std::vector<double> observed(bins * bins, 0.0), expected(bins * bins, double(per_pixel) * pixels / (bins * bins));
     for (uint p = 0; p < pixels; ++p) {
         for (uint i = 0; i < per_pixel; ++i) {
             const int x = int(draw(uvec2(p, 9), i, 2).x * bins), y = int(draw(uvec2(p, 9), i, 3).x * bins);

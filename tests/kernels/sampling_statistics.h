@@ -65,8 +65,8 @@ inline double chi_square_test(const std::vector<double>& observed, const std::ve
 }
 
 // ∫∫ f over a rectangle: 3×3 Gauss–Legendre, split where splitting changes the result.
-inline double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
-                        double y1, double tolerance, int max_depth = 9, int depth = 0) {
+inline double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0, double y1,
+                        double tolerance, int max_depth = 9, int depth = 0) {
     auto gauss = [&](double ax, double bx, double ay, double by) {
         static constexpr double node[3] = {-0.7745966692414834, 0, 0.7745966692414834};
         static constexpr double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
@@ -74,16 +74,14 @@ inline double integrate(const std::function<double(double, double)>& f, double x
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
                 sum += weight[i] * weight[j] *
-                       f(0.5 * (ax + bx) + 0.5 * (bx - ax) * node[i],
-                         0.5 * (ay + by) + 0.5 * (by - ay) * node[j]);
+                       f(0.5 * (ax + bx) + 0.5 * (bx - ax) * node[i], 0.5 * (ay + by) + 0.5 * (by - ay) * node[j]);
             }
         }
         return sum * (bx - ax) * (by - ay);
     };
     const double xm = 0.5 * (x0 + x1), ym = 0.5 * (y0 + y1);
     const double whole = gauss(x0, x1, y0, y1);
-    const double split =
-        gauss(x0, xm, y0, ym) + gauss(xm, x1, y0, ym) + gauss(x0, xm, ym, y1) + gauss(xm, x1, ym, y1);
+    const double split = gauss(x0, xm, y0, ym) + gauss(xm, x1, y0, ym) + gauss(x0, xm, ym, y1) + gauss(xm, x1, ym, y1);
     if (depth >= 2 && (std::abs(whole - split) <= tolerance || depth >= max_depth)) return split;
     return integrate(f, x0, xm, y0, ym, tolerance / 2, max_depth, depth + 1) +
            integrate(f, xm, x1, y0, ym, tolerance / 2, max_depth, depth + 1) +
@@ -144,8 +142,8 @@ class SphereChiSquare {
 
 // 1/|J| of a map from the unit square to directions, by central differences: the density that the map really
 // has.
-inline double density_of_direction_map(const std::function<glm::dvec3(double, double)>& map, double u,
-                                       double v, double step) {
+inline double density_of_direction_map(const std::function<glm::dvec3(double, double)>& map, double u, double v,
+                                       double step) {
     const glm::dvec3 du = (map(u + step, v) - map(u - step, v)) / (2 * step);
     const glm::dvec3 dv = (map(u, v + step) - map(u, v - step)) / (2 * step);
     return 1 / glm::length(glm::cross(du, dv));

@@ -207,8 +207,8 @@ TEST(SdfKernel, axis_aligned_rays_along_faces_agree_with_the_box) {
     }
     for (float height : {1 - 1e-7f, 1.0f, 1 + 1e-7f}) {  // either answer is right; pairs of crossings only
         int crossings = 0;
-        EXPECT_TRUE(passes_through(scene, vec3(-5, height, 0), vec3(1, 0, 0), crossings,
-                                   [](vec3 d, vec3, bool) { return d; }));
+        EXPECT_TRUE(
+            passes_through(scene, vec3(-5, height, 0), vec3(1, 0, 0), crossings, [](vec3 d, vec3, bool) { return d; }));
         EXPECT_EQ(crossings % 2, 0);
     }
 }
@@ -228,8 +228,7 @@ TEST(SdfKernel, coplanar_faces_of_differences_are_not_hit) {
         ASSERT_NEAR(hit.t, 1, 2e-6f) << "ray " << i;
     }
     // Two blocks that share a face are one solid: nothing to hit in between.
-    SdfTestScene blocks(
-        "union(translate(0.05, 0, 0, box(0.7, 1, 1)), translate(0.75, 0, 0, box(0.7, 1, 1)))");
+    SdfTestScene blocks("union(translate(0.05, 0, 0, box(0.7, 1, 1)), translate(0.75, 0, 0, box(0.7, 1, 1)))");
     for (int i = 0; i < 50000; i++) {
         vec3 o(0, random.uniform(-0.4f, 0.4f), random.uniform(-0.4f, 0.4f));
         vec3 d(1, random.uniform(-0.05f, 0.05f), random.uniform(-0.05f, 0.05f));

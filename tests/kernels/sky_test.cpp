@@ -62,8 +62,7 @@ TEST(Sky, is_blue_above_and_the_sun_reddens_as_it_sets) {
 
 TEST(Sky, is_dimmer_than_its_sun_by_the_physical_ratio) {
     const vec3 to_sun = sun_at(40);
-    const float sky = luminance(sky_irradiance(to_sun, 1)),
-                sun = luminance(sun_irradiance(to_sun, 1)) * to_sun.y;
+    const float sky = luminance(sky_irradiance(to_sun, 1)), sun = luminance(sun_irradiance(to_sun, 1)) * to_sun.y;
     // Clear skies give a tenth to a fifth of the light on the ground; single scattering is at the low end.
     EXPECT_GT(sky / (sky + sun), 0.05f);
     EXPECT_LT(sky / (sky + sun), 0.25f);
@@ -73,8 +72,7 @@ TEST(Sky, is_dimmer_than_its_sun_by_the_physical_ratio) {
 // depth.
 TEST(Sky, transmittance_at_the_zenith_is_that_of_the_tables) {
     // Vertical optical depths: Rayleigh 8 km · βs, haze 1.2 km · (σs + σa), ozone 15 km · σa.
-    const vec3 depth = 8.0f * sky_air_scattering() +
-                       vec3(1.2f * (SKY_HAZE_SCATTERING + SKY_HAZE_ABSORPTION)) +
+    const vec3 depth = 8.0f * sky_air_scattering() + vec3(1.2f * (SKY_HAZE_SCATTERING + SKY_HAZE_ABSORPTION)) +
                        15.0f * sky_ozone_absorption();
     const vec3 expected = SKY_SUN_IRRADIANCE * exp(-depth);
     EXPECT_LT(glm::length(sun_irradiance(vec3(0, 1, 0), 1) - expected), 0.01f * glm::length(expected));
@@ -88,9 +86,7 @@ TEST(Sky, passes_the_horizon_without_a_step) {
                 const float r = std::sqrt(1 - y * y);
                 const vec3 here =
                     sky_radiance(vec3(r * std::cos(azimuth), y, r * std::sin(azimuth)), sun_at(elevation), 1);
-                if (y < 0.003f) {
-                    EXPECT_LT(glm::length(here - before), 0.08f * glm::length(horizon) + 1e-4f) << y;
-                }
+                if (y < 0.003f) { EXPECT_LT(glm::length(here - before), 0.08f * glm::length(horizon) + 1e-4f) << y; }
                 if (is_black(horizon)) horizon = here;
                 before = here;
             }
@@ -103,8 +99,7 @@ TEST(Sky, night_is_dark_and_the_sun_sets_gradually) {
     EXPECT_LT(luminance(sky_radiance(vec3(0, 1, 0), sun_at(-20), 1)), 1e-6f);
     EXPECT_GT(luminance(sky_radiance(vec3(0, 1, 0), sun_at(-2), 1)), 0.0f);  // dusk
     for (float e = -1; e < 1; e += 0.02f) {
-        EXPECT_LT(std::abs(sun_irradiance(sun_at(e + 0.02f), 1).x - sun_irradiance(sun_at(e), 1).x), 0.08f)
-            << e;
+        EXPECT_LT(std::abs(sun_irradiance(sun_at(e + 0.02f), 1).x - sun_irradiance(sun_at(e), 1).x), 0.08f) << e;
     }
 }
 

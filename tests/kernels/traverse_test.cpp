@@ -41,8 +41,7 @@ struct Agreement {
             ++hits;
             if (hit.instance == expected.hit.instance && hit.primitive == expected.hit.primitive &&
                 glm::length(expected.hit.normal) > 0) {
-                const float cosine =
-                    glm::dot(glm::normalize(hit.normal), glm::normalize(expected.hit.normal));
+                const float cosine = glm::dot(glm::normalize(hit.normal), glm::normalize(expected.hit.normal));
                 ASSERT_GT(cosine, 0.99f) << describe(r);
             }
             return;
@@ -55,8 +54,8 @@ struct Agreement {
             other.direction += 2e-7f * glm::length(r.direction) * random.in_cube();
             if (agrees(reference_hit(scene, other, mask), 10)) return;
         }
-        FAIL() << describe(r) << " hit " << found << " t " << hit.t << " expected t " << expected.t
-               << " instance " << expected.hit.instance;
+        FAIL() << describe(r) << " hit " << found << " t " << hit.t << " expected t " << expected.t << " instance "
+               << expected.hit.instance;
     }
 
     Random random{99};
@@ -76,8 +75,7 @@ TEST(Walk, equals_the_naive_twin_on_a_closed_mesh) {
         if (i % 4 == 1) target = mesh.positions[t.x];                                 // a vertex
         if (i % 4 == 2) target = 0.5f * (mesh.positions[t.x] + mesh.positions[t.y]);  // an edge
         const vec3 direction = i % 4 == 3 ? random.awkward_direction() : 3.0f * (target - origin);
-        agreement.check(scene, ray(origin, direction, i % 8 == 0 ? 0.1f : 0.0f, i % 8 == 4 ? 0.2f : 1e30f),
-                        3e-6f);
+        agreement.check(scene, ray(origin, direction, i % 8 == 0 ? 0.1f : 0.0f, i % 8 == 4 ? 0.2f : 1e30f), 3e-6f);
         if (HasFatalFailure()) return;
     }
     EXPECT_GT(agreement.hits, 8000);
@@ -91,8 +89,7 @@ TEST(Walk, equals_the_naive_twin_on_a_lattice_of_axis_parallel_squares) {
         for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {
                 const auto first = std::uint32_t(mesh.positions.size());
-                for (const auto& [u, v] :
-                     {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
+                for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
                     vec3 p(0);
                     p[axis] = float((i * 7 + j * 3) % 5);
                     p[(axis + 1) % 3] = float(i + u);
@@ -136,8 +133,7 @@ TEST(Walk, equals_the_naive_twin_at_tiny_and_huge_scales_far_from_the_origin) {
             Agreement agreement;
             for (int i = 0; i < 2000; ++i) {
                 const vec3 origin = center + scale * random.in_cube(i % 2 ? 0.5f : 4.0f);
-                agreement.check(scene, ray(origin, random.awkward_direction()),
-                                scale * (3e-6f + 1e-7f * offset));
+                agreement.check(scene, ray(origin, random.awkward_direction()), scale * (3e-6f + 1e-7f * offset));
                 if (HasFatalFailure()) return;
             }
             EXPECT_GT(agreement.hits, 800);
@@ -196,10 +192,9 @@ TEST(Walk, the_mask_selects_instances) {
     EXPECT_EQ(kernels::trace_closest(scene, r, kernels::TRACE_SOLID).instance, 1u);
     EXPECT_FALSE(kernels::trace_occluded(scene, ray(vec3(0), vec3(0, 0, 1), 0, 4.9f)));
     EXPECT_TRUE(kernels::trace_occluded(scene, ray(vec3(0), vec3(0, 0, 1), 0, 5.1f)));
-    EXPECT_EQ(kernels::trace_closest(scene, ray(vec3(0, 0, 8), vec3(0, 0, 1)), kernels::TRACE_ALL).instance,
-              2u);
-    EXPECT_FALSE(kernels::is_hit(
-        kernels::trace_closest(scene, ray(vec3(0, 0, 10), vec3(0, 0, 1)), kernels::TRACE_ALL)));
+    EXPECT_EQ(kernels::trace_closest(scene, ray(vec3(0, 0, 8), vec3(0, 0, 1)), kernels::TRACE_ALL).instance, 2u);
+    EXPECT_FALSE(
+        kernels::is_hit(kernels::trace_closest(scene, ray(vec3(0, 0, 10), vec3(0, 0, 1)), kernels::TRACE_ALL)));
     EXPECT_FALSE(kernels::is_hit(kernels::trace_closest(TestScene().view(), r, kernels::TRACE_ALL)));
 }
 
@@ -281,10 +276,8 @@ std::optional<MeshGeometry> read_gzipped_ply(const std::filesystem::path& path) 
 // A ray at an edge from whose two triangles it sees the same side cannot pass between them, whatever else is
 // open in a scan.
 TEST(Walk, no_ray_leaks_between_two_triangles_of_a_scanned_mesh) {
-    const auto mesh =
-        read_gzipped_ply(SPINEL_SOURCE_DIR "/../shared/data/mesh/stanford/dragon_vrip_res3.ply.gz");
-    if (!mesh)
-        GTEST_SKIP() << "needs shared/data/mesh/stanford/dragon_vrip_res3.ply.gz beside the source tree";
+    const auto mesh = read_gzipped_ply(SPINEL_SOURCE_DIR "/../shared/data/mesh/stanford/dragon_vrip_res3.ply.gz");
+    if (!mesh) GTEST_SKIP() << "needs shared/data/mesh/stanford/dragon_vrip_res3.ply.gz beside the source tree";
     ASSERT_GT(mesh->triangles.size(), 10000u);
     TestScene parts;
     parts.place(kernels::GEOMETRY_MESH, parts.add(*mesh));
@@ -305,8 +298,8 @@ TEST(Walk, no_ray_leaks_between_two_triangles_of_a_scanned_mesh) {
     while (tested < 1000000) {
         for (const auto& [edge, sharers] : edges) {
             if (sharers.size() != 2) continue;
-            const vec3 target = glm::mix(mesh->positions[edge.first], mesh->positions[edge.second],
-                                         random.uniform(0.05f, 0.95f));
+            const vec3 target =
+                glm::mix(mesh->positions[edge.first], mesh->positions[edge.second], random.uniform(0.05f, 0.95f));
             const vec3 direction = random.direction();
             const glm::dvec3 n0 = normal_of(sharers[0]), n1 = normal_of(sharers[1]);
             const double c0 = glm::dot(n0, glm::dvec3(direction)) / glm::length(n0);

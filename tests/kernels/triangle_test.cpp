@@ -19,8 +19,7 @@ bool watertight(const kernels::Ray& r, const Triangle& triangle, TriangleHit& hi
 Triangle random_triangle(Random& random, float& scale) {
     scale = std::exp(random.uniform(-15, 15));
     const vec3 center = scale * random.in_cube(4);
-    return {center + scale * random.in_cube(), center + scale * random.in_cube(),
-            center + scale * random.in_cube()};
+    return {center + scale * random.in_cube(), center + scale * random.in_cube(), center + scale * random.in_cube()};
 }
 
 TEST(TriangleTest, both_tests_find_t_and_barycentric_weights) {
@@ -62,9 +61,8 @@ TEST(TriangleTest, both_tests_reject_what_passes_beside_and_what_lies_outside_th
         EXPECT_FALSE(kernels::triangle_moller_trumbore(r, triangle, r.t_min, r.t_max, hit));
     }
     // The interval is open: a hit at t_min or at t_max is none.
-    for (const auto& [t_min, t_max, expected] :
-         {std::tuple(0.0f, 2.0f, true), std::tuple(1.0f, 2.0f, false), std::tuple(0.0f, 1.0f, false),
-          std::tuple(1.5f, 2.0f, false)}) {
+    for (const auto& [t_min, t_max, expected] : {std::tuple(0.0f, 2.0f, true), std::tuple(1.0f, 2.0f, false),
+                                                 std::tuple(0.0f, 1.0f, false), std::tuple(1.5f, 2.0f, false)}) {
         TriangleHit hit;
         const kernels::Ray r = ray(vec3(0.25f, 0.25f, 0), vec3(0, 0, 1), t_min, t_max);
         EXPECT_EQ(watertight(r, triangle, hit), expected);
@@ -110,7 +108,7 @@ TEST(TriangleTest, neighbours_agree_exactly_about_the_side_of_their_edge) {
         const float one = kernels::difference_of_products(ax, by, ay, bx);
         const float other = kernels::difference_of_products(bx, ay, by, ax);
         ASSERT_EQ(one > 0, other < 0);
-        ASSERT_EQ(one < 0, other > 0);
+        ASSERT_EQ(one<0, other> 0);
         const double exact = double(ax) * double(by) - double(ay) * double(bx);
         ASSERT_EQ(one > 0, exact > 0);
         ASSERT_EQ(one < 0, exact < 0);
@@ -122,11 +120,10 @@ TEST(TriangleTest, degenerate_triangles_and_slivers_give_no_hit_or_a_finite_one)
     for (int i = 0; i < 100000; ++i) {
         const vec3 a = random.in_cube(), b = random.in_cube();
         const vec3 sliver = glm::mix(a, b, random.uniform(-1, 2)) + 1e-30f * random.in_cube();
-        const kernels::Ray r = ray(
-            random.in_cube(3), i % 2 ? glm::mix(a, b, 0.3f) - random.in_cube(3) : random.awkward_direction());
+        const kernels::Ray r =
+            ray(random.in_cube(3), i % 2 ? glm::mix(a, b, 0.3f) - random.in_cube(3) : random.awkward_direction());
         TriangleHit hit{};
-        for (const Triangle& triangle :
-             {Triangle{a, a, a}, Triangle{a, a, b}, Triangle{a, b, a}, Triangle{b, a, a}}) {
+        for (const Triangle& triangle : {Triangle{a, a, a}, Triangle{a, a, b}, Triangle{a, b, a}, Triangle{b, a, a}}) {
             ASSERT_FALSE(watertight(r, triangle, hit)) << describe(r);
             ASSERT_FALSE(kernels::triangle_moller_trumbore(r, triangle, r.t_min, r.t_max, hit) &&
                          !std::isfinite(hit.t));

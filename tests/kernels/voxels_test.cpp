@@ -135,8 +135,7 @@ TEST(VoxelWalk, equals_the_naive_twin) {
     for (int round = 0; round < 40; ++round) {
         Grid3 grid(ivec3(1 + random.below(12), 1 + random.below(12), 1 + random.below(12)));
         const std::uint32_t density = 1 + random.below(10);
-        for (std::uint8_t& cell : grid.cells)
-            cell = random.below(10) < density ? std::uint8_t(random.below(7)) : 0;
+        for (std::uint8_t& cell : grid.cells) cell = random.below(10) < density ? std::uint8_t(random.below(7)) : 0;
         TestScene parts;
         parts.add(grid);
         parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);
@@ -149,8 +148,7 @@ TEST(VoxelWalk, equals_the_naive_twin) {
             vec3 direction = random.awkward_direction() * std::exp(random.uniform(-5, 5));
             if (i % 7 == 0) direction = glm::round(origin + random.in_cube(5)) - origin;
             if (kernels::is_black(direction)) continue;
-            const kernels::Ray r =
-                ray(origin, direction, i % 3 ? 0.0f : random.uniform(0, 1) / glm::length(direction));
+            const kernels::Ray r = ray(origin, direction, i % 3 ? 0.0f : random.uniform(0, 1) / glm::length(direction));
             const Hit hit = closest(scene, r);
             const ReferenceHit expected = reference_hit(scene, r, kernels::TRACE_ALL);
             ++rays;
@@ -159,8 +157,7 @@ TEST(VoxelWalk, equals_the_naive_twin) {
             const bool found = kernels::is_hit(hit), wanted = expected.hit.instance == 0;
             if (found && wanted && std::abs(hit.t - expected.t) <= tolerance) {
                 ++hits;
-                if (hit.cell != expected.hit.cell || hit.face != expected.hit.face)
-                    ++ambiguous;  // edges, corners
+                if (hit.cell != expected.hit.cell || hit.face != expected.hit.face) ++ambiguous;  // edges, corners
                 continue;
             }
             if (!found && !wanted) continue;
@@ -172,8 +169,8 @@ TEST(VoxelWalk, equals_the_naive_twin) {
                 beside.origin += 4e-6f * (glm::abs(origin) + 1.0f) * random.in_cube();
                 beside.direction += 1e-6f * glm::length(direction) * random.in_cube();
                 const ReferenceHit other = reference_hit(scene, beside, kernels::TRACE_ALL);
-                explained = (other.hit.instance == 0) == found &&
-                            (!found || std::abs(hit.t - other.t) <= 4 * tolerance);
+                explained =
+                    (other.hit.instance == 0) == found && (!found || std::abs(hit.t - other.t) <= 4 * tolerance);
             }
             ASSERT_TRUE(explained) << describe(r) << " round " << round << " hit " << hit.t << " expected "
                                    << expected.t;

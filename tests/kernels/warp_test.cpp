@@ -142,9 +142,8 @@ TEST(Warp, tent_and_gaussian_have_their_densities) {
         EXPECT_NEAR(gauss[std::size_t(i)], n * mass, 4 * std::sqrt(n * mass) + 4);
     }
     EXPECT_NEAR(variance, 1.0, 0.01);
-    const double total =
-        test::integrate([](double x, double y) { return square_to_gaussian_pdf(vec2(float(x), float(y))); },
-                        -7, 7, -7, 7, 1e-6);
+    const double total = test::integrate(
+        [](double x, double y) { return square_to_gaussian_pdf(vec2(float(x), float(y))); }, -7, 7, -7, 7, 1e-6);
     EXPECT_NEAR(total, 1.0, 1e-4);
     EXPECT_TRUE(std::isfinite(square_to_gaussian(vec2(1.0f, 0.5f)).x));
 }

@@ -59,8 +59,7 @@ FilmBuffer rendered(const CompiledScene& scene, const RenderOptions& options, in
 
 bool same_bits(const FilmPixel& a, const FilmPixel& b) {
     return a.sum == b.sum && a.mean == b.mean && a.deviation == b.deviation && a.normal == b.normal &&
-           a.albedo == b.albedo && a.depth == b.depth && a.hits == b.hits && a.count == b.count &&
-           a.object == b.object;
+           a.albedo == b.albedo && a.depth == b.depth && a.hits == b.hits && a.count == b.count && a.object == b.object;
 }
 
 TEST(Determinism, same_bits_for_1_2_and_7_threads) {
@@ -71,8 +70,7 @@ TEST(Determinism, same_bits_for_1_2_and_7_threads) {
         const FilmBuffer many = rendered(scene, options, threads);
         ASSERT_EQ(one.pixels.size(), many.pixels.size());
         for (std::size_t i = 0; i < one.pixels.size(); ++i)
-            ASSERT_TRUE(same_bits(one.pixels[i], many.pixels[i]))
-                << "pixel " << i << ", " << threads << " threads";
+            ASSERT_TRUE(same_bits(one.pixels[i], many.pixels[i])) << "pixel " << i << ", " << threads << " threads";
     }
     EXPECT_GT(one.mean_luminance(), 0.05);
 }
@@ -94,8 +92,7 @@ TEST(Determinism, four_crops_put_together_are_the_whole) {
 
 TEST(Determinism, another_seed_gives_another_picture_of_the_same_mean) {
     const CompiledScene scene = compiled_scene();
-    const FilmBuffer a = rendered(scene, {.spp = 64, .seed = 1}, 2),
-                     b = rendered(scene, {.spp = 64, .seed = 2}, 2);
+    const FilmBuffer a = rendered(scene, {.spp = 64, .seed = 1}, 2), b = rendered(scene, {.spp = 64, .seed = 2}, 2);
     std::size_t equal = 0, noisy = 0;  // a plain background is the same for every seed
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         if (a.pixels[i].deviation < 1e-6) continue;

@@ -14,8 +14,7 @@ namespace {
 using namespace test;
 
 // Checkered ground, a sky that changes from side to side, an area light: whatever bends light wrongly shows.
-std::string stage(const std::string& things, const std::string& glass = "",
-                  const std::string& geometries = "") {
+std::string stage(const std::string& things, const std::string& glass = "", const std::string& geometries = "") {
     return fmt::format(R"({{"version": 1, "film": {{"size": [32, 32], "filter": "box", "filter_radius": 0.5}},
         "camera": {{"from": [1, 1.4, 3.6], "at": [0, 0, 0], "fov": 42}},
         "textures": {{"tiles": {{"type": "checker", "color_a": [0.8, 0.7, 0.6], "color_b": [0.1, 0.1, 0.2], "scale": [1.5, 1.5]}}}},
@@ -40,8 +39,7 @@ Picture render_stage(const std::string& text, int mesh_steps = 0) {
                                     0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f, 0.2f}});
     scene->environment = sky;
     for (Geometry& g : scene->geometries)
-        if (auto* mesh = std::get_if<MeshGeometry>(&g.data); mesh && mesh_steps > 0)
-            *mesh = sphere_mesh(mesh_steps);
+        if (auto* mesh = std::get_if<MeshGeometry>(&g.data); mesh && mesh_steps > 0) *mesh = sphere_mesh(mesh_steps);
     const Result<CompiledScene> compiled = compile(*scene);
     EXPECT_TRUE(compiled) << compiled.error().message;
     return compiled ? render_scene(*compiled, 48) : Picture{};
@@ -69,8 +67,8 @@ TEST(Glass, a_block_of_glass_voxels_is_one_solid_without_inner_faces) {
         R"({"geometry": {"type": "voxels", "size": [4, 4, 4], "cells": [)" + cells +
             R"(]}, "material": ["glass", "same", "glass"], "transform": [{"translate": [-2, -2, -2]}, {"scale": 0.4}]})",
         tint));
-    const Picture box = render_stage(
-        stage(R"({"geometry": {"type": "box", "size": [1.6, 1.6, 1.6]}, "material": "glass"})", tint));
+    const Picture box =
+        render_stage(stage(R"({"geometry": {"type": "box", "size": [1.6, 1.6, 1.6]}, "material": "glass"})", tint));
     expect_same_glass(voxels, box);
 }
 
@@ -108,8 +106,8 @@ TEST(Glass, a_glass_ball_in_water_displaces_it) {
     for (const std::string& order : {ball + ", " + pool, pool + ", " + ball}) {
         std::string scene = text;
         scene.replace(scene.find("ORDER"), 5, order);
-        expect_mean(render_text(scene, 1024).mean(),
-                    t * dvec3(std::exp(-1.0), std::exp(-0.5 - 0.5), std::exp(-1.0)), 4, 0.01);
+        expect_mean(render_text(scene, 1024).mean(), t * dvec3(std::exp(-1.0), std::exp(-0.5 - 0.5), std::exp(-1.0)), 4,
+                    0.01);
     }
 }
 
@@ -118,14 +116,13 @@ TEST(Glass, spheres_are_the_same_as_implicit_surface_mesh_and_analytic) {
         SCOPED_TRACE(kind);
         const Picture sphere = render_stage(stage(R"({"geometry": "ball", "material": "glass"})", kind));
         expect_same_glass(
-            render_stage(stage(
-                R"x({"geometry": {"type": "sdf", "expression": "sphere(1)"}, "material": "glass"})x", kind)),
+            render_stage(
+                stage(R"x({"geometry": {"type": "sdf", "expression": "sphere(1)"}, "material": "glass"})x", kind)),
             sphere);
         expect_same_glass(
             render_stage(
-                stage(
-                    R"({"geometry": "mesh", "material": "glass"})", kind,
-                    R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
+                stage(R"({"geometry": "mesh", "material": "glass"})", kind,
+                      R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
                 128),
             sphere);
     }
@@ -136,9 +133,8 @@ TEST(Glass, turned_and_stretched_instances_are_the_same_of_a_mesh_and_of_a_spher
         R"(, "material": "glass", "transform": [{"scale": [1.1, 0.5, 0.8]}, {"rotate": {"axis": [1, 2, 3], "degrees": 50}}]})";
     const Picture sphere = render_stage(stage(R"({"geometry": "ball")" + turned, tint));
     const Picture mesh = render_stage(
-        stage(
-            R"({"geometry": "mesh")" + turned, tint,
-            R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
+        stage(R"({"geometry": "mesh")" + turned, tint,
+              R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
         128);
     expect_same_glass(mesh, sphere);
 }

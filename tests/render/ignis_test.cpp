@@ -39,6 +39,8 @@ struct IgnisScene {
     double color_tolerance;  // of the means: the reference's spectral noise
 };
 
+void PrintTo(const IgnisScene& scene, std::ostream* os) { *os << scene.name; }
+
 std::string mesh(const std::string& file, const std::string& rest) {
     return R"({"geometry": {"type": "mesh", "file": ")" + shared_folder + "/" + file + "\"}, " + rest + "}";
 }
@@ -55,9 +57,8 @@ std::string cornell_box(int max_bounces) {
     "lamp": {"type": "diffuse", "color": [0.936461, 0.740433, 0.705267], "emission": [18.387, 10.9873, 2.75357]}
   },
   "objects": [)" +
-           mesh(folder + "luminaire.obj",
-                R"("material": "lamp", "transform": [{"translate": [0, -0.5, 0]}])") +
-           ",\n" + mesh(folder + "floor.obj", R"("material": "white")") + ",\n" +
+           mesh(folder + "luminaire.obj", R"("material": "lamp", "transform": [{"translate": [0, -0.5, 0]}])") + ",\n" +
+           mesh(folder + "floor.obj", R"("material": "white")") + ",\n" +
            mesh(folder + "ceiling.obj", R"("material": "white")") + ",\n" +
            mesh(folder + "back.obj", R"("material": "white")") + ",\n" +
            mesh(folder + "greenwall.obj", R"("material": "green")") + ",\n" +
@@ -85,8 +86,7 @@ std::string bright_pixel_file() {
 std::string scene_text(const std::string& name) {
     const std::string bottom = R"("bottom": {"type": "diffuse", "color": [0.885809, 0.698859, 0.666422]})";
     const std::string plane_camera = R"("camera": {"from": [0, 0, -2], "at": [0, 0, 0], "fov": 90})";
-    std::string text =
-        R"({"version": 1, "film": {"size": [256, 256], "filter": "box", "filter_radius": 0.5}, )";
+    std::string text = R"({"version": 1, "film": {"size": [256, 256], "filter": "box", "filter_radius": 0.5}, )";
     if (name == "cbox_d1") return text + cornell_box(0) + "}";
     if (name == "cbox_d6") return text + cornell_box(5) + "}";
     if (name == "emissive_plane")
@@ -116,13 +116,11 @@ std::string scene_text(const std::string& name) {
     return text + R"("integrator": {"max_bounces": 5}, "environment": {"type": "image", "file": ")" +
            bright_pixel_file() +
            R"("}, "camera": {"from": [278, 273, -800], "at": [278, 273, -799], "fov": 39.3077}, "materials": {)" +
-           bottom + R"(}, "objects": [)" +
-           mesh("evaluation/meshes/cbox_floor.obj", R"("material": "bottom")") + "]}";
+           bottom + R"(}, "objects": [)" + mesh("evaluation/meshes/cbox_floor.obj", R"("material": "bottom")") + "]}";
 }
 
 Result<Image> reference_picture(const IgnisScene& scene) {
-    Result<Image> image =
-        read_image(shared_folder + "/evaluation/references/ref-" + scene.reference + "-4096.exr");
+    Result<Image> image = read_image(shared_folder + "/evaluation/references/ref-" + scene.reference + "-4096.exr");
     if (!image || image->channels == 3) return image;
     Image rgb{image->width, image->height, 3, {}};
     for (int i = 0; i < image->width * image->height; ++i)
@@ -182,8 +180,7 @@ TEST_P(Ignis, looks_like_the_reference_after_a_few_samples) {
     const Result<double> distance = relative_mse(image, reference);
     ASSERT_TRUE(distance);
     EXPECT_LT(*distance, GetParam().relative_mse_16);
-    for (int k = 0; k < 3; ++k)
-        EXPECT_NEAR(ratio(image)[k], 1, GetParam().color_tolerance) << "channel " << k;
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(ratio(image)[k], 1, GetParam().color_tolerance) << "channel " << k;
 }
 
 // Prints the rows of the table in docs/validation.md.
@@ -203,8 +200,7 @@ TEST_P(IgnisSlow, converges_to_the_reference_down_to_the_noise_of_that) {
     const double pixels = noiseless_relative_mse(image, other, reference, 1),
                  blocks = noiseless_relative_mse(image, other, reference, 8);
     std::printf("| %s | ∞ | %.2e | blocks of 8 × 8: %.2e |\n", GetParam().name, pixels, blocks);
-    for (int k = 0; k < 3; ++k)
-        EXPECT_NEAR(ratio(image)[k], 1, GetParam().color_tolerance) << "channel " << k;
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(ratio(image)[k], 1, GetParam().color_tolerance) << "channel " << k;
     EXPECT_LT(previous, GetParam().relative_mse_16 / 8);
     // The rest is the reference's noise: it averages out, where a bias of ours would stay.
     EXPECT_LT(blocks, std::max(pixels / 16, 3e-5));

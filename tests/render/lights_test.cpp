@@ -33,8 +33,7 @@ std::string probe(const std::string& contents, vec3 at = {0, 0, 0}, int max_boun
                        max_bounces, at.x, at.z + 0.4, at.x, at.z, contents);
 }
 std::string objects(const std::string& more) {
-    return R"("objects": [{"geometry": "floor", "material": "floor"})" + (more.empty() ? "" : ", " + more) +
-           "]";
+    return R"("objects": [{"geometry": "floor", "material": "floor"})" + (more.empty() ? "" : ", " + more) + "]";
 }
 
 const dvec3 reflectance(0.8, 0.5, 0.2);
@@ -58,8 +57,7 @@ double rectangle_factor(double x0, double x1, double z0, double z1, double h, do
 
 TEST(Lights, point_light_falls_off_with_the_square_of_distance_and_the_cosine) {
     const Picture p = render_text(
-        probe(R"("lights": [{"type": "point", "position": [0.7, 2, -0.4], "intensity": [3, 5, 7]}], )" +
-              objects("")),
+        probe(R"("lights": [{"type": "point", "position": [0.7, 2, -0.4], "intensity": [3, 5, 7]}], )" + objects("")),
         4);
     const double d2 = 0.49 + 4 + 0.16;
     expect_mean(p.mean(), lambert(dvec3(3, 5, 7) * 2.0 / (d2 * std::sqrt(d2))), 4, 1e-3);
@@ -80,20 +78,18 @@ TEST(Lights, spot_light_is_full_within_soft_between_and_dark_beyond_its_angles) 
         const double d = 2 / std::cos(angle);
         // Near the edges the soft step changes over the picture's width: a hair of tolerance.
         const dvec3 expected = lambert(dvec3(5 * t * t * (3 - 2 * t) * std::cos(angle) / (d * d)));
-        for (int k = 0; k < 3; ++k)
-            EXPECT_NEAR(p.mean().mean[k], expected[k], 2e-4 * expected[k] + 1e-7) << degrees;
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(p.mean().mean[k], expected[k], 2e-4 * expected[k] + 1e-7) << degrees;
     }
 }
 
 TEST(Lights, directional_light_gives_its_irradiance_times_the_cosine_whatever_its_angular_radius) {
     for (const float radius : {0.0f, 0.265f, 5.0f, 25.0f}) {
         const Picture p = render_text(
-            probe(
-                fmt::format(
-                    R"("lights": [{{"type": "directional", "direction": [1, -2, 0.5], "irradiance": [3, 2, 1],
+            probe(fmt::format(
+                      R"("lights": [{{"type": "directional", "direction": [1, -2, 0.5], "irradiance": [3, 2, 1],
                                   "angular_radius": {}}}], )",
-                    radius) +
-                objects("")),
+                      radius) +
+                  objects("")),
             radius == 0 ? 4 : 1024);
         expect_mean(p.mean(), lambert(dvec3(3, 2, 1) * 2.0 / std::sqrt(1 + 4 + 0.25)), 4, 2e-3);
     }
@@ -101,9 +97,8 @@ TEST(Lights, directional_light_gives_its_irradiance_times_the_cosine_whatever_it
 
 TEST(Lights, a_sun_with_a_disc_equals_the_parallel_sun_in_the_mean_over_soft_shadows) {
     const auto sun = [](double radius) {
-        return render_text(
-            fmt::format(
-                R"({{"version": 1, "film": {{"size": [48, 48], "filter": "box", "filter_radius": 0.5}},
+        return render_text(fmt::format(
+                               R"({{"version": 1, "film": {{"size": [48, 48], "filter": "box", "filter_radius": 0.5}},
         "integrator": {{"max_bounces": 1}},
         "camera": {{"type": "orthographic", "from": [0, 5, 0], "at": [0, 0, 0], "up": [0, 0, -1], "height": 4}},
         "lights": [{{"type": "directional", "direction": [0.3, -2, 0.2], "irradiance": 3, "angular_radius": {}}}],
@@ -111,8 +106,8 @@ TEST(Lights, a_sun_with_a_disc_equals_the_parallel_sun_in_the_mean_over_soft_sha
         "objects": [{{"geometry": {{"type": "plane"}}, "material": "floor"}},
                     {{"geometry": {{"type": "box", "size": [1, 0.1, 1]}}, "material": "black",
                      "transform": [{{"translate": [0, 0.5, 0]}}]}}]}})",
-                radius),
-            64);
+                               radius),
+                           64);
     };
     const Picture soft = sun(3), hard = sun(0);
     // The disc averages the shadow's place over 3°, to first order nothing; what is left is of second order.
@@ -123,10 +118,9 @@ TEST(Lights, a_sun_with_a_disc_equals_the_parallel_sun_in_the_mean_over_soft_sha
 TEST(Lights, sphere_light_equals_its_form_factor_near_and_far) {
     for (const double height : {0.6, 1.0, 4.0, 30.0}) {
         const Picture p = render_text(
-            probe(
-                objects(fmt::format(R"({{"geometry": {{"type": "sphere", "radius": 0.5}}, "material": "lamp",
+            probe(objects(fmt::format(R"({{"geometry": {{"type": "sphere", "radius": 0.5}}, "material": "lamp",
                                            "transform": [{{"translate": [0.3, {}, 0]}}]}})",
-                                    height))),
+                                      height))),
             512);
         const double d2 = 0.09 + height * height;
         expect_mean(p.mean(), lambert(lamp * M_PI * 0.25 / d2 * height / std::sqrt(d2)), 4, 4e-3);
@@ -157,8 +151,8 @@ std::vector<Emitter> flat_emitters(const std::string& material) {
              m + R"(, "transform": [{"scale": [-1, 1, 1]}]})"},
         {"voxels", R"({"geometry": {"type": "voxels", "layers": [["11"]]}, )" + m +
                        R"(, "transform": [{"translate": [-1, 1.5, -0.5]}]})"},
-        {"box", R"({"geometry": {"type": "box", "size": [2, 1, 1]}, )" + m +
-                    R"(, "transform": [{"translate": [0, 2, 0]}]})"},
+        {"box",
+         R"({"geometry": {"type": "box", "size": [2, 1, 1]}, )" + m + R"(, "transform": [{"translate": [0, 2, 0]}]})"},
         {"sdf box, found by following paths alone",
          R"x({"geometry": {"type": "sdf", "expression": "box(2, 1, 1)"}, )x" + m +
              R"(, "transform": [{"translate": [0, 2, 0]}]})"},
@@ -170,8 +164,7 @@ TEST(Lights, a_flat_emitter_equals_its_form_factor_whatever_it_is_made_of) {
         SCOPED_TRACE(e.name);
         for (const vec3 at : {vec3(0), vec3(1.3f, 0, 0.4f)}) {
             const Picture p = render_text(probe(objects(e.object), at), 2048);
-            const bool sides =
-                std::string(e.name).find("box") != std::string::npos || e.name == std::string("voxels");
+            const bool sides = std::string(e.name).find("box") != std::string::npos || e.name == std::string("voxels");
             double factor = rectangle_factor(-1, 1, -0.5, 0.5, 1.5, at.x, at.z);
             if (sides && at.x > 1) continue;  // a solid shows its side there
             expect_mean(p.mean(), lambert(lamp * factor), 4, 0.01);
@@ -206,8 +199,7 @@ TEST(Lights, one_sided_emitters_are_dark_behind_and_two_sided_ones_are_not) {
     expect_mean(render_text(probe(objects(rectangle("lamp2", 180))), 1024).mean(), expected);
     // From within a sphere only the two-sided one is seen: uniform radiance, irradiance π L.
     const auto around = [](const char* material) {
-        return std::string(R"({"geometry": {"type": "sphere", "radius": 3}, "material": ")") + material +
-               "\"}";
+        return std::string(R"({"geometry": {"type": "sphere", "radius": 3}, "material": ")") + material + "\"}";
     };
     EXPECT_EQ(render_text(probe(objects(around("lamp"))), 16).mean().mean, dvec3(0));
     expect_mean(render_text(probe(objects(around("lamp2"))), 1024).mean(), lambert(lamp * M_PI));
@@ -312,12 +304,11 @@ ImageEnvironment picture_environment(int width, int height, std::vector<float> v
 }
 
 TEST(Lights, a_constant_picture_equals_the_constant_environment) {
-    const std::string scene =
-        probe(objects(R"({"geometry": {"type": "sphere", "radius": 0.5}, "material": "floor",
+    const std::string scene = probe(objects(R"({"geometry": {"type": "sphere", "radius": 0.5}, "material": "floor",
         "transform": [{"translate": [0.2, 0.6, 0]}]})"),
-              vec3(0), 4);
-    const std::string constant = scene.substr(0, scene.rfind('}')) +
-                                 R"(, "environment": {"type": "constant", "radiance": [1, 2, 3]}})";
+                                    vec3(0), 4);
+    const std::string constant =
+        scene.substr(0, scene.rfind('}')) + R"(, "environment": {"type": "constant", "radiance": [1, 2, 3]}})";
     const Estimate a = render_text(constant, 2048).mean();
     for (const Filter filter : {Filter::nearest, Filter::linear}) {
         std::vector<float> values;
@@ -336,26 +327,21 @@ TEST(Lights, one_bright_texel_is_a_small_sun) {
     for (int k = 0; k < 3; ++k) values[(y * width + x) * 3 + k] = 100;
     // ∫ cos θ sin θ over the texel.
     const double t0 = M_PI * y / height, t1 = M_PI * (y + 1) / height;
-    const double factor =
-        2 * M_PI / width * 0.5 * (std::sin(t1) * std::sin(t1) - std::sin(t0) * std::sin(t0));
-    const Estimate e =
-        under(probe(objects("")), picture_environment(width, height, values, Filter::nearest), 256);
+    const double factor = 2 * M_PI / width * 0.5 * (std::sin(t1) * std::sin(t1) - std::sin(t0) * std::sin(t0));
+    const Estimate e = under(probe(objects("")), picture_environment(width, height, values, Filter::nearest), 256);
     expect_mean(e, lambert(dvec3(100 * factor)), 4, 2e-3);
     // Where it stands: a wall in the way of its middle leaves nothing. Towards u = 0.205, v = 0.27.
     const vec3 d = kernels::equirect_direction({(x + 0.5f) / width, (y + 0.5f) / height});
-    const std::string wall =
-        fmt::format(R"({{"geometry": {{"type": "sphere", "radius": 0.2}}, "material": "black",
+    const std::string wall = fmt::format(R"({{"geometry": {{"type": "sphere", "radius": 0.2}}, "material": "black",
         "transform": [{{"translate": [{}, {}, {}]}}]}})",
-                    2 * d.x, 2 * d.y, 2 * d.z);
-    EXPECT_EQ(
-        under(probe(objects(wall)), picture_environment(width, height, values, Filter::nearest), 64).mean,
-        dvec3(0));
+                                         2 * d.x, 2 * d.y, 2 * d.z);
+    EXPECT_EQ(under(probe(objects(wall)), picture_environment(width, height, values, Filter::nearest), 64).mean,
+              dvec3(0));
 }
 
 TEST(Lights, a_picture_of_contrasts_lights_like_its_integral_for_either_filter) {
-    const std::vector<float> values = {9, 0, 0, 0, 0, 1, 0.1f, 3, 0, 0, 0, 0, 1, 1, 5, 0,
-                                       0, 0, 0, 7, 2, 0, 0,    0, 0, 1, 0, 2, 0, 0, 0, 0,
-                                       9, 0, 0, 4, 0, 0, 0,    1, 0, 0, 3, 0, 1, 0, 2, 8};
+    const std::vector<float> values = {9, 0, 0, 0, 0, 1, 0.1f, 3, 0, 0, 0, 0, 1, 1, 5, 0, 0, 0, 0, 7, 2, 0, 0, 0,
+                                       0, 1, 0, 2, 0, 0, 0,    0, 9, 0, 0, 4, 0, 0, 0, 1, 0, 0, 3, 0, 1, 0, 2, 8};
     for (const Filter filter : {Filter::nearest, Filter::linear})
         for (const float rotation : {0.0f, 73.0f}) {
             ImageEnvironment e = picture_environment(4, 4, values, filter);
@@ -370,8 +356,7 @@ TEST(Lights, a_picture_of_contrasts_lights_like_its_integral_for_either_filter) 
             for (int j = 0; j < n; ++j)
                 for (int i = 0; i < 4 * n; ++i) {  // midpoints of equal projected areas
                     const double r = std::sqrt((j + 0.5) / n), phi = 2 * M_PI * (i + 0.5) / (4 * n);
-                    const vec3 d(float(r * std::cos(phi)), float(std::sqrt(1 - r * r)),
-                                 float(r * std::sin(phi)));
+                    const vec3 d(float(r * std::cos(phi)), float(std::sqrt(1 - r * r)), float(r * std::sin(phi)));
                     irradiance += dvec3(kernels::environment_radiance(compiled->view(), d));
                 }
             irradiance *= M_PI / (4.0 * n * n);

@@ -69,8 +69,7 @@ inline Result<CompiledScene> compile_text(const std::string& text) {
     return compile(*scene);
 }
 
-inline Picture render_scene(const CompiledScene& scene, int spp, int batches = 8,
-                            std::uint32_t first_seed = 1) {
+inline Picture render_scene(const CompiledScene& scene, int spp, int batches = 8, std::uint32_t first_seed = 1) {
     Picture picture;
     picture.size = scene.film.size;
     const Result<std::unique_ptr<Device>> device = make_device("cpu");
@@ -108,16 +107,14 @@ inline void expect_mean(const Estimate& e, dvec3 expected, double sigmas = 4, do
     for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(e.mean[k], expected[k], sigmas * e.error[k] + 2e-5 * std::abs(expected[k]) + 1e-9)
             << "channel " << k << ", standard error " << e.error[k] << ", ratio " << e.mean[k] / expected[k];
-        EXPECT_LE(e.error[k], largest_error * std::abs(expected[k]) + 1e-9)
-            << "too noisy to tell, channel " << k;
+        EXPECT_LE(e.error[k], largest_error * std::abs(expected[k]) + 1e-9) << "too noisy to tell, channel " << k;
     }
 }
 
 struct Difference {
     dvec3 ratio = dvec3(1);  // of the means
-    double chi_squared =
-        0;             // mean over blocks and channels of difference² / variance: about 1 for equal pictures
-    double worst = 0;  // largest |difference| / standard error of a block
+    double chi_squared = 0;  // mean over blocks and channels of difference² / variance: about 1 for equal pictures
+    double worst = 0;        // largest |difference| / standard error of a block
     ivec2 worst_block = {0, 0};
 };
 
@@ -130,13 +127,11 @@ inline Difference compare(const Picture& a, const Picture& b, int block) {
     int count = 0;
     for (int y = 0; y + block <= a.size.y; y += block)
         for (int x = 0; x + block <= a.size.x; x += block) {
-            const Estimate ea = a.mean({x, y}, {x + block, y + block}),
-                           eb = b.mean({x, y}, {x + block, y + block});
+            const Estimate ea = a.mean({x, y}, {x + block, y + block}), eb = b.mean({x, y}, {x + block, y + block});
             for (int k = 0; k < 3; ++k) {
                 const double difference = ea.mean[k] - eb.mean[k];
                 const double floor = 1e-5 * (std::abs(ea.mean[k]) + std::abs(eb.mean[k])) + 1e-9;
-                const double error =
-                    std::sqrt(ea.error[k] * ea.error[k] + eb.error[k] * eb.error[k] + floor * floor);
+                const double error = std::sqrt(ea.error[k] * ea.error[k] + eb.error[k] * eb.error[k] + floor * floor);
                 const double z = std::abs(difference) / error;
                 d.chi_squared += z * z;
                 ++count;

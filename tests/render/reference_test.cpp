@@ -29,8 +29,7 @@ TEST(Reference, analytic_shapes) {
     const kernels::Hit hit = reference_hit(rectangle.view(), down, kernels::TRACE_ALL).hit;
     EXPECT_EQ(hit.t, 2.5f);
     EXPECT_EQ(hit.uv, vec2(0.625f, 0.75f));
-    EXPECT_EQ(reference_hit(rectangle.view(), ray(vec3(1000, 1, 0), vec3(0, -1, 0)), kernels::TRACE_ALL)
-                  .hit.instance,
+    EXPECT_EQ(reference_hit(rectangle.view(), ray(vec3(1000, 1, 0), vec3(0, -1, 0)), kernels::TRACE_ALL).hit.instance,
               NO);
 }
 

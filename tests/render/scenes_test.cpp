@@ -27,8 +27,7 @@ std::vector<std::string> scene_names() {
 class Scenes : public testing::TestWithParam<std::string> {};
 
 TEST_P(Scenes, have_the_mean_that_their_file_expects) {
-    const Result<Scene> scene =
-        load_scene(std::string(SPINEL_SOURCE_DIR "/tests/scenes/") + GetParam() + ".json");
+    const Result<Scene> scene = load_scene(std::string(SPINEL_SOURCE_DIR "/tests/scenes/") + GetParam() + ".json");
     ASSERT_TRUE(scene) << scene.error().message;
     ASSERT_TRUE(scene->expected) << "the scene file has no \"expected\"";
     const Result<CompiledScene> compiled = compile(*scene);
@@ -43,14 +42,11 @@ TEST_P(Scenes, have_the_mean_that_their_file_expects) {
     for (const FilmPixel& p : result->film.pixels) mean += p.sum / double(p.count);
     mean /= double(result->film.pixels.size());
     for (int k = 0; k < 3; ++k)
-        EXPECT_NEAR(mean[k], scene->expected->mean[k],
-                    double(scene->expected->tolerance) * scene->expected->mean[k])
-            << "channel " << k << "; repeat: spinel render tests/scenes/" << GetParam()
-            << ".json --check -o out.exr";
+        EXPECT_NEAR(mean[k], scene->expected->mean[k], double(scene->expected->tolerance) * scene->expected->mean[k])
+            << "channel " << k << "; repeat: spinel render tests/scenes/" << GetParam() << ".json --check -o out.exr";
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, Scenes, testing::ValuesIn(scene_names()),
-                         [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Files, Scenes, testing::ValuesIn(scene_names()), [](const auto& info) { return info.param; });
 
 }  // namespace
 }  // namespace spinel

@@ -114,8 +114,7 @@ TEST(TraceRays, hits_are_reported_in_the_users_terms) {
     EXPECT_EQ(rest[1].instance, 4u);
     EXPECT_EQ(rest[1].primitive, 1u);
     EXPECT_EQ(rest[1].material, 5u);
-    EXPECT_TRUE(std::isinf(rest[2].t) && rest[2].instance == NO && rest[2].primitive == NO &&
-                rest[2].material == NO);
+    EXPECT_TRUE(std::isinf(rest[2].t) && rest[2].instance == NO && rest[2].primitive == NO && rest[2].material == NO);
     EXPECT_TRUE(std::isinf(rest[3].t));
     EXPECT_EQ(rest[4].t, 1.5f);
 }
@@ -124,14 +123,13 @@ TEST(TraceRays, interfaces_without_a_material_let_rays_pass) {
     TestScene parts;
     const kernels::uint through = kernels::INSTANCE_PASS_THROUGH;
     parts.place(kernels::GEOMETRY_BOX, 0, mat4x3(1), {{NO, 0}}, through);  // smoke …
-    parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(1)), affine(glm::mat3(2), vec3(0)), {{NO, 0}},
-                through);
+    parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(1)), affine(glm::mat3(2), vec3(0)), {{NO, 0}}, through);
     parts.place(kernels::GEOMETRY_SPHERE, 0, affine(glm::mat3(0.5f), vec3(0)), {{3, NO}});  // … around a ball
     VoxelGeometry fog;
     fog.size = {3, 1, 1};
     fog.cells = {1, 2, 1};
-    parts.place(kernels::GEOMETRY_VOXELS, parts.add(fog), affine(glm::mat3(1), vec3(0, 4, 0)),
-                {{NO, 0}, {7, 1}}, through);
+    parts.place(kernels::GEOMETRY_VOXELS, parts.add(fog), affine(glm::mat3(1), vec3(0, 4, 0)), {{NO, 0}, {7, 1}},
+                through);
     const std::vector<TraceRay> rays = {{vec3(0, 0, -5), 0, vec3(0, 0, 1), INF},
                                         {vec3(0.8f, 0.1f, -5), 0, vec3(0, 0, 1), INF},
                                         {vec3(-1, 4.5f, 0.5f), 0, vec3(1, 0, 0), INF},
@@ -146,8 +144,7 @@ TEST(TraceRays, interfaces_without_a_material_let_rays_pass) {
         EXPECT_EQ((*hits)[2].material, 7u);
         EXPECT_EQ((*hits)[2].t, 2.0f);
         EXPECT_TRUE(std::isinf((*hits)[3].t));
-        for (std::size_t i = 0; i < rays.size(); ++i)
-            EXPECT_EQ(std::isinf((*any)[i].t), std::isinf((*hits)[i].t));
+        for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(std::isinf((*any)[i].t), std::isinf((*hits)[i].t));
     }
 }
 

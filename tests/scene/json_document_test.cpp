@@ -57,9 +57,8 @@ TEST(JsonDocument, wrong_syntax_is_pointed_at) {
               "a.json:1:9: syntax error while parsing object key - unexpected '}'; expected string literal");
     EXPECT_EQ(message("{\"a\":\n [1, 2"),
               "a.json:2:7: syntax error while parsing array - unexpected end of input; expected ']'");
-    EXPECT_EQ(
-        message("[1, 2] 3"),
-        "a.json:1:8: syntax error while parsing value - unexpected number literal; expected end of input");
+    EXPECT_EQ(message("[1, 2] 3"),
+              "a.json:1:8: syntax error while parsing value - unexpected number literal; expected end of input");
     EXPECT_EQ(message("").substr(0, 12), "a.json:1:1: ");
     EXPECT_EQ(message("{\"a\": NaN}").substr(0, 11), "a.json:1:7:");
     EXPECT_NE(message("{\"a\": \"\xff\"}").find("ill-formed UTF-8"), std::string::npos);
@@ -70,8 +69,7 @@ TEST(JsonDocument, a_number_beyond_a_double_is_an_error) {
 }
 
 TEST(JsonDocument, a_key_twice_is_an_error_at_the_second) {
-    EXPECT_EQ(message("{\"a\": 1, \"b\": 2,\n \"a\": 3}"),
-              "a.json:2:2: key \"a\" stands twice in this object");
+    EXPECT_EQ(message("{\"a\": 1, \"b\": 2,\n \"a\": 3}"), "a.json:2:2: key \"a\" stands twice in this object");
     EXPECT_EQ(message("{\"a\": {\"b\": 1}, \"b\": {\"a\": 1}}"), "no error");
 }
 

@@ -22,8 +22,8 @@ TEST(JsonGeometry, analytic_shapes) {
     EXPECT_EQ(read<SphereGeometry>("{\"type\": \"sphere\", \"radius\": 3}").radius, 3);
     EXPECT_EQ(read<BoxGeometry>("{\"type\": \"box\", \"size\": [1, 2, 3]}").size, vec3(1, 2, 3));
     EXPECT_EQ(read<RectangleGeometry>("{\"type\": \"rectangle\", \"size\": [2, 3]}").size, vec2(2, 3));
-    EXPECT_TRUE(std::holds_alternative<PlaneGeometry>(
-        scene_of(scene_text("{\"type\": \"plane\"}")).geometries.at(0).data));
+    EXPECT_TRUE(
+        std::holds_alternative<PlaneGeometry>(scene_of(scene_text("{\"type\": \"plane\"}")).geometries.at(0).data));
     EXPECT_EQ(message("{\"type\": \"sphere\", \"radius\": 0}"),
               "a.json:2:35: \"radius\" of geometry \"g\" is 0; allowed: > 0");
     EXPECT_EQ(message("{\"type\": \"spheer\"}"),
@@ -35,8 +35,7 @@ TEST(JsonGeometry, analytic_shapes) {
 }
 
 TEST(JsonGeometry, a_mesh_written_in_place) {
-    const auto mesh =
-        read<MeshGeometry>(R"({"type": "mesh", "positions": [[0,0,0], [1,0,0], [0,1,0], [0,0,1.5]],
+    const auto mesh = read<MeshGeometry>(R"({"type": "mesh", "positions": [[0,0,0], [1,0,0], [0,1,0], [0,0,1.5]],
         "triangles": [[0,1,2], [0,2,3]], "normals": [[0,0,1],[0,0,1],[0,0,1],[1,0,0]],
         "uvs": [[0,0],[1,0],[0,1],[1,1]], "slots": [0, 1]})");
     ASSERT_EQ(mesh.positions.size(), 4u);
@@ -49,25 +48,21 @@ TEST(JsonGeometry, a_mesh_written_in_place) {
 }
 
 TEST(JsonGeometry, a_mesh_that_is_wrong) {
-    EXPECT_EQ(message("{\"type\": \"mesh\"}"),
-              "a.json:2:6: geometry \"g\" needs \"positions\" (or \"file\")");
+    EXPECT_EQ(message("{\"type\": \"mesh\"}"), "a.json:2:6: geometry \"g\" needs \"positions\" (or \"file\")");
     const std::string start = "{\"type\": \"mesh\", \"positions\": [[0,0,0],[1,0,0],[0,1,0]],\n";
     EXPECT_EQ(message(start + "\"triangles\": [[0, 1, 3]]}"),
               "a.json:3:22: \"triangles\" of geometry \"g\" is 3; allowed: 0 … 2");
-    EXPECT_EQ(
-        message(start + "\"triangles\": [[0, 1]]}"),
-        "a.json:3:15: \"triangles\" of geometry \"g\" must be arrays of 3 vertex indices, not an array of 2");
+    EXPECT_EQ(message(start + "\"triangles\": [[0, 1]]}"),
+              "a.json:3:15: \"triangles\" of geometry \"g\" must be arrays of 3 vertex indices, not an array of 2");
     EXPECT_EQ(message(start + "\"triangles\": []}"), "a.json:2:6: geometry \"g\" has no triangles");
     EXPECT_EQ(message(start + "\"triangles\": [[0, 1, 2]], \"uvs\": [[0, 0]]}"),
               "a.json:2:6: geometry \"g\" has 1 uvs; there must be none or 3");
-    EXPECT_EQ(
-        message("{\"type\": \"mesh\", \"triangles\": [[0, 1, 2]], \"positions\": [[0, 0]]}"),
-        "a.json:2:63: \"positions\" of geometry \"g\" must be an array of 3 numbers, not an array of 2");
+    EXPECT_EQ(message("{\"type\": \"mesh\", \"triangles\": [[0, 1, 2]], \"positions\": [[0, 0]]}"),
+              "a.json:2:63: \"positions\" of geometry \"g\" must be an array of 3 numbers, not an array of 2");
 }
 
 TEST(JsonGeometry, voxels_as_cells) {
-    const auto voxels =
-        read<VoxelGeometry>("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 255, 3]}");
+    const auto voxels = read<VoxelGeometry>("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 255, 3]}");
     EXPECT_EQ(voxels.size, ivec3(2, 1, 2));
     EXPECT_EQ(voxels.cells, (std::vector<std::uint8_t>{0, 1, 255, 3}));
     EXPECT_EQ(message("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 256, 3]}"),
@@ -80,12 +75,9 @@ TEST(JsonGeometry, voxels_as_cells) {
 
 TEST(JsonGeometry, voxels_as_layers_from_the_bottom_up) {
     // Two layers of two rows along z, three cells along x.
-    const auto voxels =
-        read<VoxelGeometry>(R"({"type": "voxels", "layers": [["12.", "3 9"], ["az.", "..1"]]})");
+    const auto voxels = read<VoxelGeometry>(R"({"type": "voxels", "layers": [["12.", "3 9"], ["az.", "..1"]]})");
     ASSERT_EQ(voxels.size, ivec3(3, 2, 2));
-    const auto cell = [&](int i, int j, int k) {
-        return int(voxels.cells.at(std::size_t(i + 3 * (j + 2 * k))));
-    };
+    const auto cell = [&](int i, int j, int k) { return int(voxels.cells.at(std::size_t(i + 3 * (j + 2 * k)))); };
     EXPECT_EQ(cell(0, 0, 0), 1);
     EXPECT_EQ(cell(1, 0, 0), 2);
     EXPECT_EQ(cell(2, 0, 0), 0);
@@ -99,9 +91,8 @@ TEST(JsonGeometry, voxels_as_layers_from_the_bottom_up) {
               "a.json:2:43: \"layers\" of geometry \"g\": a row of 1 characters, but the first row has 2");
     EXPECT_EQ(message(R"({"type": "voxels", "layers": [["12"], ["12", "12"]]})"),
               "a.json:2:44: \"layers\" of geometry \"g\": a layer of 2 rows, but the first has 1");
-    EXPECT_EQ(
-        message(R"({"type": "voxels", "layers": [["1#"]]})"),
-        "a.json:2:37: \"layers\" of geometry \"g\": '#' is no voxel; allowed: '.' and ' ' (empty), 1…9, a…z");
+    EXPECT_EQ(message(R"({"type": "voxels", "layers": [["1#"]]})"),
+              "a.json:2:37: \"layers\" of geometry \"g\": '#' is no voxel; allowed: '.' and ' ' (empty), 1…9, a…z");
     EXPECT_EQ(message(R"({"type": "voxels", "layers": []})"),
               "a.json:2:35: \"layers\" of geometry \"g\" holds no voxels");
     EXPECT_EQ(message(R"({"type": "voxels", "size": [1, 1, 1], "layers": [["1"]]})"),
@@ -113,9 +104,8 @@ TEST(JsonGeometry, volumes) {
               "a.json:2:58: \"values\" of geometry \"g\" is -1; allowed: ≥ 0");
     EXPECT_EQ(message(R"({"type": "volume", "size": [1, 1, 2], "values": [1]})"),
               "a.json:2:6: geometry \"g\" has 1 values; its size needs 2");
-    EXPECT_EQ(
-        message(R"({"type": "volume", "size": [1, 1, 1], "values": [1], "filter": "cubic"})"),
-        "a.json:2:69: \"filter\" of geometry \"g\" must be one of nearest, linear, not the text \"cubic\"");
+    EXPECT_EQ(message(R"({"type": "volume", "size": [1, 1, 1], "values": [1], "filter": "cubic"})"),
+              "a.json:2:69: \"filter\" of geometry \"g\" must be one of nearest, linear, not the text \"cubic\"");
 }
 
 TEST(JsonGeometry, sdf_text_and_tree_agree) {

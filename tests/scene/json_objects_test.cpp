@@ -18,9 +18,7 @@ std::string transformed(const std::string& transform) {
     return object("\"geometry\": {\"type\": \"sphere\"}, \"material\": \"m\",\n\"transform\": " + transform);
 }
 
-mat4x3 transform_of(const std::string& transform) {
-    return scene_of(transformed(transform)).objects.at(0).transform;
-}
+mat4x3 transform_of(const std::string& transform) { return scene_of(transformed(transform)).objects.at(0).transform; }
 
 void expect_near(const vec3& a, const vec3& b) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-6f) << "component " << i;
@@ -72,10 +70,8 @@ TEST(JsonTransform, what_is_wrong_is_pointed_at) {
 
 TEST(JsonObjects, materials_are_a_name_null_or_one_a_slot) {
     const std::string voxels = "\"geometry\": {\"type\": \"voxels\", \"layers\": [[\"12\"]]}";
-    EXPECT_EQ(scene_of(object(voxels + ", \"material\": \"n\"")).objects.at(0).materials,
-              std::vector<int>{1});
-    EXPECT_EQ(scene_of(object(voxels + ", \"material\": null")).objects.at(0).materials,
-              std::vector<int>{-1});
+    EXPECT_EQ(scene_of(object(voxels + ", \"material\": \"n\"")).objects.at(0).materials, std::vector<int>{1});
+    EXPECT_EQ(scene_of(object(voxels + ", \"material\": null")).objects.at(0).materials, std::vector<int>{-1});
     EXPECT_EQ(scene_of(object(voxels + ", \"material\": [\"n\", null]")).objects.at(0).materials,
               (std::vector<int>{1, -1}));
     EXPECT_EQ(message(object(voxels)),
@@ -85,8 +81,7 @@ TEST(JsonObjects, materials_are_a_name_null_or_one_a_slot) {
     EXPECT_EQ(message(object(voxels + ",\n\"material\": \"x\"")),
               "a.json:4:13: \"material\" of objects[0]: no material is named \"x\"; defined: m, n");
     EXPECT_EQ(
-        message(object(
-            "\"geometry\": {\"type\": \"voxels\", \"layers\": [[\"123\"]]},\n\"material\": [\"m\", \"n\"]")),
+        message(object("\"geometry\": {\"type\": \"voxels\", \"layers\": [[\"123\"]]},\n\"material\": [\"m\", \"n\"]")),
         "a.json:4:13: \"material\" of objects[0] lists 2 materials, but its geometry uses 3 slots");
 }
 
@@ -117,8 +112,7 @@ TEST(JsonObjects, a_file_of_several_objects_expands_in_front_of_the_transform) {
     const Object& second = scene.objects[2];
     EXPECT_EQ(first.name, "own/part0");
     EXPECT_EQ(second.name, "own/part1");
-    EXPECT_EQ(first.transform, mat4x3(10, 0, 0, 0, 10, 0, 0, 0, 10, 10, 0, 0))
-        << "placed by the file, then scaled";
+    EXPECT_EQ(first.transform, mat4x3(10, 0, 0, 0, 10, 0, 0, 0, 10, 10, 0, 0)) << "placed by the file, then scaled";
     EXPECT_EQ(second.transform[3], vec3(20, 0, 0));
     EXPECT_EQ(scene.geometries[std::size_t(first.geometry)].name, "mesh0");
     EXPECT_EQ(scene.geometries[std::size_t(second.geometry)].name, "mesh1");
@@ -156,12 +150,10 @@ TEST(JsonObjects, files_that_do_not_serve) {
     const auto geometry = [](const std::string& text) {
         return message("{\"version\": 1, \"geometries\": {\n\"g\": " + text + "}}");
     };
-    EXPECT_EQ(geometry("{\"type\": \"mesh\", \"file\": \"three.obj\"}"),
-              "a.json:2:31: scenes/three.obj: no such file");
+    EXPECT_EQ(geometry("{\"type\": \"mesh\", \"file\": \"three.obj\"}"), "a.json:2:31: scenes/three.obj: no such file");
     EXPECT_EQ(geometry("{\"type\": \"mesh\", \"file\": \"empty.obj\"}"),
               "a.json:2:31: scenes/empty.obj holds no objects");
-    EXPECT_EQ(geometry("{\"type\": \"mesh\", \"file\": \"\"}"),
-              "a.json:2:31: \"file\" of geometry \"g\" is empty");
+    EXPECT_EQ(geometry("{\"type\": \"mesh\", \"file\": \"\"}"), "a.json:2:31: \"file\" of geometry \"g\" is empty");
     EXPECT_EQ(geometry("{\"type\": \"voxels\", \"file\": \"two.obj\"}"),
               "a.json:2:33: geometry \"g\" is of type \"voxels\", but scenes/two.obj holds a geometry of "
               "type \"mesh\"");

@@ -114,8 +114,7 @@ TEST(JsonReader, materials_take_textures_media_and_emission) {
     ASSERT_EQ(scene.materials.size(), 3u);
     EXPECT_EQ(scene.materials[0].name, "ground");
     EXPECT_EQ(scene.materials[0].values.color_texture, 1u);
-    EXPECT_EQ(scene.materials[0].values.color, vec3(1))
-        << "a texture alone is not dimmed by the default colour";
+    EXPECT_EQ(scene.materials[0].values.color, vec3(1)) << "a texture alone is not dimmed by the default colour";
     EXPECT_EQ(scene.materials[1].values.color, vec3(0));
     EXPECT_EQ(scene.materials[1].values.emission, vec3(10, 9, 8));
     EXPECT_EQ(scene.materials[2].values.ior, 1.25f);
@@ -175,8 +174,7 @@ TEST(JsonReader, errors_say_where_what_and_what_is_allowed) {
               "an array of 2");
     EXPECT_EQ(message("{\"version\": 1, \"media\": {\"fog\": {\"erosion\": {\"type\": \"fbm\"}}}}"),
               "a.json:1:33: medium \"fog\" has erosion but no density that it could eat");
-    EXPECT_EQ(message("{\"version\": 1, \"lights\": {}}"),
-              "a.json:1:26: \"lights\" must be an array, not an object");
+    EXPECT_EQ(message("{\"version\": 1, \"lights\": {}}"), "a.json:1:26: \"lights\" must be an array, not an object");
     EXPECT_EQ(message("{\"version\": 1, \"lights\": [{\"type\": \"spot\", \"inner_angle\": 40}]}"),
               "a.json:1:27: lights[0] must have 0 ≤ inner_angle ≤ outer_angle ≤ 90 degrees, and outer_angle "
               "above 0");
@@ -197,12 +195,10 @@ TEST(JsonReader, materials_that_are_wrong) {
     EXPECT_EQ(unknown.substr(0, 79),
               "a.json:2:27: unknown key \"roughnes\" in material \"gold\" of type \"metal\"; allowed");
     EXPECT_NE(unknown.find("roughness"), std::string::npos);
-    EXPECT_EQ(
-        materials("{\"type\": \"diffuse\", \"color\": \"wood\"}"),
-        "a.json:2:38: \"color\" of material \"gold\": no texture is named \"wood\"; the scene defines none");
-    EXPECT_EQ(
-        materials("{\"type\": \"dielectric\", \"interior\": \"fog\"}"),
-        "a.json:2:44: \"interior\" of material \"gold\": no medium is named \"fog\"; the scene defines none");
+    EXPECT_EQ(materials("{\"type\": \"diffuse\", \"color\": \"wood\"}"),
+              "a.json:2:38: \"color\" of material \"gold\": no texture is named \"wood\"; the scene defines none");
+    EXPECT_EQ(materials("{\"type\": \"dielectric\", \"interior\": \"fog\"}"),
+              "a.json:2:44: \"interior\" of material \"gold\": no medium is named \"fog\"; the scene defines none");
     EXPECT_EQ(materials("{\"type\": \"metal\", \"roughness\": 1.5}").substr(0, 50),
               "a.json:2:40: \"roughness\" of material \"gold\" is 1.5");
 }

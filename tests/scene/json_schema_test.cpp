@@ -17,8 +17,7 @@ namespace spinel {
 namespace {
 
 const std::filesystem::path source = SPINEL_SOURCE_DIR;
-const std::string begin_marker =
-    "<!-- The tables below are generated: SPINEL_UPDATE_DOCS=1 tests_scene -->\n";
+const std::string begin_marker = "<!-- The tables below are generated: SPINEL_UPDATE_DOCS=1 tests_scene -->\n";
 const std::string end_marker = "<!-- The end of the generated tables -->\n";
 
 bool update() { return std::getenv("SPINEL_UPDATE_DOCS") != nullptr; }
@@ -37,8 +36,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
 TEST(JsonSchema, committed_schema_is_that_of_the_tables) {
     const std::filesystem::path path = source / "docs/scene.schema.json";
     if (update()) write(path, scene_schema());
-    EXPECT_EQ(read(path), scene_schema())
-        << "run with SPINEL_UPDATE_DOCS=1 and commit docs/scene.schema.json";
+    EXPECT_EQ(read(path), scene_schema()) << "run with SPINEL_UPDATE_DOCS=1 and commit docs/scene.schema.json";
 }
 
 TEST(JsonSchema, committed_reference_page_is_that_of_the_tables) {
@@ -58,8 +56,7 @@ TEST(JsonSchema, every_reference_leads_to_a_definition) {
     const auto schema = nlohmann::json::parse(scene_schema());
     const std::string text = schema.dump(), prefix = "\"#/definitions/";
     std::size_t count = 0;
-    for (std::size_t at = text.find(prefix); at != std::string::npos;
-         at = text.find(prefix, at + 1), ++count) {
+    for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix, at + 1), ++count) {
         const std::size_t start = at + prefix.size();
         const std::string name = text.substr(start, text.find('"', start) - start);
         EXPECT_TRUE(schema["definitions"].contains(name)) << name;

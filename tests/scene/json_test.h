@@ -73,9 +73,7 @@ inline SceneLoaders fake_loaders() {
 }
 
 // The scene of a text in "scenes/a.json".
-inline Result<Scene> read(const std::string& text) {
-    return read_scene_json(text, "scenes/a.json", fake_loaders());
-}
+inline Result<Scene> read(const std::string& text) { return read_scene_json(text, "scenes/a.json", fake_loaders()); }
 
 // The scene of a text that must be right.
 inline Scene scene_of(const std::string& text) {

@@ -82,8 +82,7 @@ TEST(JsonWriter, a_scene_reads_back_as_it_was_written) {
     EXPECT_EQ(mesh.tangents, mesh_before.tangents);
     EXPECT_EQ(mesh.colors, mesh_before.colors);
     EXPECT_EQ(mesh.slots, mesh_before.slots);
-    EXPECT_EQ(std::get<VoxelGeometry>(second.geometries.at(1).data).cells,
-              (std::vector<std::uint8_t>{1, 0, 2}));
+    EXPECT_EQ(std::get<VoxelGeometry>(second.geometries.at(1).data).cells, (std::vector<std::uint8_t>{1, 0, 2}));
     EXPECT_EQ(second.grids.at(0).values, first.grids.at(0).values);
     EXPECT_EQ(second.grids[0].index_to_local, mat4x3(0.5f, 0, 0, 0, 0.25f, 0, 0, 0, 1, 1, 0, 0));
     EXPECT_EQ(second.grids[0].filter, Filter::nearest);
@@ -91,9 +90,7 @@ TEST(JsonWriter, a_scene_reads_back_as_it_was_written) {
     ASSERT_EQ(second.materials.size(), first.materials.size());
     static_assert(std::is_trivially_copyable_v<kernels::Material>);
     for (std::size_t i = 0; i < first.materials.size(); ++i)
-        EXPECT_EQ(
-            std::memcmp(&second.materials[i].values, &first.materials[i].values, sizeof(kernels::Material)),
-            0)
+        EXPECT_EQ(std::memcmp(&second.materials[i].values, &first.materials[i].values, sizeof(kernels::Material)), 0)
             << first.materials[i].name;
     EXPECT_EQ(second.media.at(1).grid, 0);
     EXPECT_EQ(second.media[1].erosion.drift, vec3(1, 2, 3));
@@ -133,8 +130,7 @@ TEST(JsonWriter, an_embedded_picture_is_an_error) {
 // A small fuzzer: harmed texts give a scene or a positioned sentence, never a crash.
 TEST(JsonReader, harmed_texts_are_read_or_refused) {
     const std::string text = full;
-    const std::string pieces[] = {"{", "}", "[",    "]",    "\"", ",",    ":",
-                                  "-", "0", "1e38", "null", "\\", "true", "//"};
+    const std::string pieces[] = {"{", "}", "[", "]", "\"", ",", ":", "-", "0", "1e38", "null", "\\", "true", "//"};
     for (unsigned seed = 0; seed < 3000; ++seed) {
         std::mt19937 random(seed);
         std::string harmed = text;

@@ -96,8 +96,7 @@ FN CaseResult triangle_case(uint i) {
     bool first = triangle_watertight(triangle_ray(ray), triangle, ray.t_min, ray.t_max, watertight);
     bool second = triangle_moller_trumbore(ray, triangle, ray.t_min, ray.t_max, moller);
     return CaseResult(uvec4(first ? 1u : 0u, second ? 1u : 0u, 0u, 0u),
-                      vec4(watertight.t, watertight.u, watertight.v, 0.0f),
-                      vec4(moller.t, moller.u, moller.v, 0.0f));
+                      vec4(watertight.t, watertight.u, watertight.v, 0.0f), vec4(moller.t, moller.u, moller.v, 0.0f));
 }
 
 FN CaseResult sphere_case(uint i) {
@@ -119,9 +118,8 @@ FN CaseResult microfacet_case(uint i) {
     vec3 wi = square_to_cosine_hemisphere(draw_2d(r));
     vec3 m = ggx_sample(alpha, wo, draw_2d(r));
     vec3 metal = fresnel_conductor(wo.z, vec3(0.2f, 0.9f, 1.3f), vec3(3.9f, 2.5f, 1.9f));
-    return CaseResult(
-        uvec4(0u), vec4(m, ggx_g2(alpha, wo, wi)),
-        vec4(fresnel_dielectric(wo.z, ior), fresnel_dielectric(wo.z, 1.0f / ior), metal.x, metal.z));
+    return CaseResult(uvec4(0u), vec4(m, ggx_g2(alpha, wo, wi)),
+                      vec4(fresnel_dielectric(wo.z, ior), fresnel_dielectric(wo.z, 1.0f / ior), metal.x, metal.z));
 }
 
 // Rough matte surfaces, and a phase function.
@@ -137,9 +135,8 @@ FN CaseResult scatter_case(uint i) {
     BsdfSample s = diffuse_sample(b, wo, 0.0f, draw_2d(r));
     float g = draw(r, -0.9f, 0.9f);
     PhaseSample phase = phase_sample(g, wo, draw_2d(r));
-    return CaseResult(
-        uvec4(s.flags, 0u, 0u, 0u), diffuse_eval_pdf(b, wo, wi),
-        vec4(s.direction.x + s.direction.z, s.weight.y, phase.direction.x, phase_eval(g, wi.z)));
+    return CaseResult(uvec4(s.flags, 0u, 0u, 0u), diffuse_eval_pdf(b, wo, wi),
+                      vec4(s.direction.x + s.direction.z, s.weight.y, phase.direction.x, phase_eval(g, wi.z)));
 }
 
 FN CaseResult kernel_case(uint kind, uint i) {

@@ -45,8 +45,7 @@ TEST_P(KernelsAgree, on_the_device_and_in_cpp) {
     if (!device) return;
     auto pipeline = device->create_pipeline(load_spirv("kernel_cases"), sizeof(PushConstants));
     ASSERT_TRUE(pipeline) << pipeline.error().message;
-    const std::vector<CaseResult> cleared(case_count,
-                                          CaseResult{glm::uvec4(~0u), glm::vec4(NAN), glm::vec4(NAN)});
+    const std::vector<CaseResult> cleared(case_count, CaseResult{glm::uvec4(~0u), glm::vec4(NAN), glm::vec4(NAN)});
     auto buffer = device->create_buffer<CaseResult>(cleared);
     ASSERT_TRUE(buffer) << buffer.error().message;
     const Kind kind = GetParam();
@@ -71,8 +70,8 @@ TEST_P(KernelsAgree, on_the_device_and_in_cpp) {
             const float e = k < 4 ? expected.a[k] : expected.b[k - 4];
             const float error = std::abs(a - e) / std::max(1.0f, std::abs(e));
             // Written so that NaN on either side fails.
-            ASSERT_TRUE(error <= kind.tolerance) << kind.name << " case " << i << " number " << k << ": " << a
-                                                 << " on " << device->name() << ", " << e << " in C++";
+            ASSERT_TRUE(error <= kind.tolerance) << kind.name << " case " << i << " number " << k << ": " << a << " on "
+                                                 << device->name() << ", " << e << " in C++";
             worst = std::max(worst, error);
         }
     }
@@ -82,8 +81,7 @@ TEST_P(KernelsAgree, on_the_device_and_in_cpp) {
 
 INSTANTIATE_TEST_SUITE_P(Kernels, KernelsAgree,
                          testing::Values(Kind{"random", kernels::CASE_RANDOM, 0.0f},
-                                         Kind{"warp", kernels::CASE_WARP, 1e-3f},
-                                         Kind{"box", kernels::CASE_BOX, 3e-5f},
+                                         Kind{"warp", kernels::CASE_WARP, 1e-3f}, Kind{"box", kernels::CASE_BOX, 3e-5f},
                                          Kind{"triangle", kernels::CASE_TRIANGLE, 3e-5f},
                                          Kind{"sphere", kernels::CASE_SPHERE, 3e-5f},
                                          Kind{"microfacet", kernels::CASE_MICROFACET, 3e-3f},

@@ -27,9 +27,7 @@ std::vector<uint32_t> some_words(uint32_t count) {
 // With and without staging: a mapped device takes the other way only when told to.
 class VulkanDeviceTest : public testing::TestWithParam<bool> {
   protected:
-    std::optional<VulkanDevice> open() {
-        return open_vulkan_device({.name = "", .always_stage = GetParam()});
-    }
+    std::optional<VulkanDevice> open() { return open_vulkan_device({.name = "", .always_stage = GetParam()}); }
 };
 
 TEST_P(VulkanDeviceTest, buffers_come_back_unchanged) {
@@ -72,9 +70,8 @@ TEST_P(VulkanDeviceTest, a_dispatch_sees_what_the_one_before_wrote) {
     const PushConstants push[2] = {{first->address(), second->address(), count, 3},
                                    {second->address(), third->address(), count, 5}};
     const uint32_t groups = (count + local_size - 1) / local_size;
-    const VulkanDispatch dispatches[2] = {
-        {&*pipeline, std::as_bytes(std::span(push, 1)), {groups, 1, 1}},
-        {&*pipeline, std::as_bytes(std::span(push + 1, 1)), {groups, 1, 1}}};
+    const VulkanDispatch dispatches[2] = {{&*pipeline, std::as_bytes(std::span(push, 1)), {groups, 1, 1}},
+                                          {&*pipeline, std::as_bytes(std::span(push + 1, 1)), {groups, 1, 1}}};
     auto done = device->run(dispatches);
     ASSERT_TRUE(done) << done.error().message;
     auto read = device->read<uint32_t>(*third);

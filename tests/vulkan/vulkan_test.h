@@ -13,8 +13,7 @@
 
 // The machine's best device. Empty, with the test marked as skipped, only where there is no Vulkan device at
 // all; a device that is listed and cannot be opened is a failure.
-inline std::optional<spinel::VulkanDevice> open_vulkan_device(
-    const spinel::VulkanDeviceOptions& options = {}) {
+inline std::optional<spinel::VulkanDevice> open_vulkan_device(const spinel::VulkanDeviceOptions& options = {}) {
     auto names = spinel::VulkanDevice::available();
     if (!names || names->empty()) {
         [&] { GTEST_SKIP() << "no Vulkan device: " << (names ? "none is listed" : names.error().message); }();
@@ -30,13 +29,11 @@ inline std::optional<spinel::VulkanDevice> open_vulkan_device(
 
 // A module that the build compiled from tests/vulkan/<name>.comp.
 inline std::vector<uint32_t> load_spirv(const std::string& name) {
-    std::ifstream file(std::string(SPINEL_SHADER_DIR) + "/" + name + ".spv",
-                       std::ios::binary | std::ios::ate);
+    std::ifstream file(std::string(SPINEL_SHADER_DIR) + "/" + name + ".spv", std::ios::binary | std::ios::ate);
     EXPECT_TRUE(file) << "cannot read " << name << ".spv in " << SPINEL_SHADER_DIR;
     if (!file) return {};
     std::vector<uint32_t> words(static_cast<size_t>(file.tellg()) / sizeof(uint32_t));
     file.seekg(0);
-    file.read(reinterpret_cast<char*>(words.data()),
-              static_cast<std::streamsize>(words.size() * sizeof(uint32_t)));
+    file.read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(words.size() * sizeof(uint32_t)));
     return words;
 }

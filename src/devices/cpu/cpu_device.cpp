@@ -34,8 +34,8 @@ class CpuDevice : public Device {
     }
 
   private:
-    void render_pixel(const RenderPass& pass, glm::uvec2 pixel, FilmPixel& to, std::atomic<std::uint64_t>& bound_reached,
-                      std::atomic<std::uint64_t>& not_finite) const {
+    void render_pixel(const RenderPass& pass, glm::uvec2 pixel, FilmPixel& to,
+                      std::atomic<std::uint64_t>& bound_reached, std::atomic<std::uint64_t>& not_finite) const {
         for (std::uint32_t i = 0; i < pass.sample_count; ++i) {
             const kernels::PixelSample sample =
                 kernels::integrate(view_, pass.settings, pass.integrator, pixel, pass.first_sample + i);

@@ -35,9 +35,8 @@ const char* result_text(VkResult result) {
 }
 
 Result<VkInstance> create_instance() {
-    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                           .pApplicationName = "spinel",
-                                           .apiVersion = required_api};
+    const VkApplicationInfo application = {
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "spinel", .apiVersion = required_api};
     const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                        .pApplicationInfo = &application};
     VkInstance instance = VK_NULL_HANDLE;
@@ -49,8 +48,7 @@ Result<VkInstance> create_instance() {
 bool has_required_features(VkPhysicalDevice physical_device) {
     VkPhysicalDeviceVulkan12Features features12 = {};
     features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
-    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                          .pNext = &features12};
+    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12};
     vkGetPhysicalDeviceFeatures2(physical_device, &features);
     return features12.bufferDeviceAddress && features12.scalarBlockLayout;
 }
@@ -119,8 +117,7 @@ Result<void> open_device(VulkanContext& context) {
                                        .pQueueCreateInfos = &queue};
     VkResult result = vkCreateDevice(context.physical_device, &device, nullptr, &context.device);
     if (result != VK_SUCCESS)
-        return vulkan_error(fmt::format("open the Vulkan device '{}'", context.properties.deviceName),
-                            result);
+        return vulkan_error(fmt::format("open the Vulkan device '{}'", context.properties.deviceName), result);
     vkGetDeviceQueue(context.device, context.queue_family, 0, &context.queue);
 
     const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
@@ -201,9 +198,8 @@ Result<void> vulkan_submit(VulkanContext& context, const std::function<void(VkCo
     result = vkEndCommandBuffer(context.commands);
     if (result != VK_SUCCESS) return vulkan_error("record commands", result);
 
-    const VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                                 .commandBufferCount = 1,
-                                 .pCommandBuffers = &context.commands};
+    const VkSubmitInfo submit = {
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &context.commands};
     result = vkQueueSubmit(context.queue, 1, &submit, context.done);
     if (result != VK_SUCCESS) return vulkan_error("submit work to the device", result);
     // No time limit: a hung device is reported by its driver as lost.

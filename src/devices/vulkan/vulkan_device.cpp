@@ -17,15 +17,14 @@ constexpr VkMemoryPropertyFlags mapped_memory =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
 // The first memory type that the buffer may live in and that has all the wanted properties.
-std::optional<uint32_t> find_memory_type(const VulkanContext& context, uint32_t allowed,
-                                         VkMemoryPropertyFlags wanted) {
+std::optional<uint32_t> find_memory_type(const VulkanContext& context, uint32_t allowed, VkMemoryPropertyFlags wanted) {
     for (uint32_t i = 0; i < context.memory.memoryTypeCount; ++i)
         if ((allowed >> i & 1u) && (context.memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
     return std::nullopt;
 }
 
-void memory_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written,
-                    VkPipelineStageFlags to, VkAccessFlags read) {
+void memory_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
+                    VkAccessFlags read) {
     const VkMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .srcAccessMask = written, .dstAccessMask = read};
     vkCmdPipelineBarrier(commands, from, to, 0, 1, &barrier, 0, nullptr, 0, nullptr);
@@ -43,17 +42,14 @@ struct VulkanBuffer::State {
     }
 
     // Creates the buffer in the best memory type among `wanted`, the first that the device has.
-    Result<void> allocate(uint64_t bytes, VkBufferUsageFlags usage,
-                          std::span<const VkMemoryPropertyFlags> wanted) {
+    Result<void> allocate(uint64_t bytes, VkBufferUsageFlags usage, std::span<const VkMemoryPropertyFlags> wanted) {
         size = bytes;
-        const VkBufferCreateInfo info = {
-            .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-            .size = std::max<uint64_t>(bytes, 16),  // Vulkan knows no empty buffer
-            .usage = usage,
-            .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
+        const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                         .size = std::max<uint64_t>(bytes, 16),  // Vulkan knows no empty buffer
+                                         .usage = usage,
+                                         .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
         VkResult result = vkCreateBuffer(context->device, &info, nullptr, &buffer);
-        if (result != VK_SUCCESS)
-            return vulkan_error(fmt::format("create a buffer of {} bytes", bytes), result);
+        if (result != VK_SUCCESS) return vulkan_error(fmt::format("create a buffer of {} bytes", bytes), result);
 
         VkMemoryRequirements requirements;
         vkGetBufferMemoryRequirements(context->device, buffer, &requirements);
@@ -71,8 +67,7 @@ struct VulkanBuffer::State {
                                                  .memoryTypeIndex = *type};
         result = vkAllocateMemory(context->device, &allocation, nullptr, &memory);
         if (result == VK_SUCCESS) result = vkBindBufferMemory(context->device, buffer, memory, 0);
-        if (result == VK_SUCCESS &&
-            (context->memory.memoryTypes[*type].propertyFlags & mapped_memory) == mapped_memory)
+        if (result == VK_SUCCESS && (context->memory.memoryTypes[*type].propertyFlags & mapped_memory) == mapped_memory)
             result = vkMapMemory(context->device, memory, 0, VK_WHOLE_SIZE, 0, &mapped);
         if (result != VK_SUCCESS) return vulkan_error(fmt::format("allocate {} bytes", bytes), result);
 
@@ -132,8 +127,8 @@ Result<std::vector<std::string>> VulkanDevice::available() { return vulkan_devic
 
 Result<VulkanBuffer> VulkanDevice::create_buffer(uint64_t size) {
     constexpr VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                         VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
-                                         VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+                                         VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                                         VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     // Local to the device first; mapped as well where that costs nothing (integrated, CPU, resizable BAR).
     constexpr VkMemoryPropertyFlags wanted[] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | mapped_memory,
                                                 VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
@@ -143,18 +138,15 @@ Result<VulkanBuffer> VulkanDevice::create_buffer(uint64_t size) {
 }
 
 Result<VulkanBuffer> VulkanDevice::create_staging(uint64_t size) {
-    constexpr VkMemoryPropertyFlags wanted[] = {mapped_memory | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
-                                                mapped_memory};
+    constexpr VkMemoryPropertyFlags wanted[] = {mapped_memory | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, mapped_memory};
     auto state = std::make_unique<VulkanBuffer::State>(context_);
-    if (auto done = state->allocate(size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                                    wanted);
+    if (auto done = state->allocate(size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, wanted);
         !done)
         return done.error();
     return VulkanBuffer(std::move(state));
 }
 
-Result<void> VulkanDevice::upload(const VulkanBuffer& buffer, std::span<const std::byte> bytes,
-                                  uint64_t offset) {
+Result<void> VulkanDevice::upload(const VulkanBuffer& buffer, std::span<const std::byte> bytes, uint64_t offset) {
     assert(offset + bytes.size() <= buffer.size());
     if (bytes.empty()) return {};
     const VulkanBuffer::State& target = *buffer.state_;
@@ -205,16 +197,13 @@ Result<void> VulkanDevice::download(const VulkanBuffer& buffer, std::span<std::b
     return {};
 }
 
-Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> spirv,
-                                                     uint32_t push_constant_size) {
+Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> spirv, uint32_t push_constant_size) {
     if (const uint32_t limit = context_->properties.limits.maxPushConstantsSize; push_constant_size > limit)
-        return Error{fmt::format("'{}' takes at most {} bytes of push constants, not {}", name_, limit,
-                                 push_constant_size)};
-    if (push_constant_size % 4 != 0)
         return Error{
-            fmt::format("push constants must fill whole 4-byte words, not {} bytes", push_constant_size)};
-    if (spirv.empty() || spirv.front() != 0x07230203u)
-        return Error{"a compute shader is not a SPIR-V module"};
+            fmt::format("'{}' takes at most {} bytes of push constants, not {}", name_, limit, push_constant_size)};
+    if (push_constant_size % 4 != 0)
+        return Error{fmt::format("push constants must fill whole 4-byte words, not {} bytes", push_constant_size)};
+    if (spirv.empty() || spirv.front() != 0x07230203u) return Error{"a compute shader is not a SPIR-V module"};
 
     auto state = std::make_unique<VulkanPipeline::State>(context_);
     state->push_constant_size = push_constant_size;
@@ -226,9 +215,8 @@ Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> s
     VkResult result = vkCreatePipelineLayout(context_->device, &layout, nullptr, &state->layout);
     if (result != VK_SUCCESS) return vulkan_error("create a pipeline layout", result);
 
-    const VkShaderModuleCreateInfo module_info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                                  .codeSize = spirv.size_bytes(),
-                                                  .pCode = spirv.data()};
+    const VkShaderModuleCreateInfo module_info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
     VkShaderModule module = VK_NULL_HANDLE;
     result = vkCreateShaderModule(context_->device, &module_info, nullptr, &module);
     if (result != VK_SUCCESS) return vulkan_error("load a shader", result);
@@ -239,8 +227,7 @@ Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> s
                   .module = module,
                   .pName = "main"},
         .layout = state->layout};
-    result =
-        vkCreateComputePipelines(context_->device, VK_NULL_HANDLE, 1, &pipeline, nullptr, &state->pipeline);
+    result = vkCreateComputePipelines(context_->device, VK_NULL_HANDLE, 1, &pipeline, nullptr, &state->pipeline);
     vkDestroyShaderModule(context_->device, module, nullptr);
     if (result != VK_SUCCESS) return vulkan_error("create a compute pipeline", result);
     return VulkanPipeline(std::move(state));
@@ -253,23 +240,22 @@ Result<void> VulkanDevice::run(std::span<const VulkanDispatch> dispatches) {
         for (int axis = 0; axis < 3; ++axis)
             if (dispatch.group_count[axis] > limits.maxComputeWorkGroupCount[axis])
                 return Error{fmt::format("'{}' runs at most {} work groups along axis {}, not {}", name_,
-                                         limits.maxComputeWorkGroupCount[axis], axis,
-                                         dispatch.group_count[axis])};
+                                         limits.maxComputeWorkGroupCount[axis], axis, dispatch.group_count[axis])};
     }
     return vulkan_submit(*context_, [&](VkCommandBuffer commands) {
         for (const VulkanDispatch& dispatch : dispatches) {
             const VulkanPipeline::State& state = *dispatch.pipeline->state_;
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, state.pipeline);
             if (state.push_constant_size > 0)
-                vkCmdPushConstants(commands, state.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                   state.push_constant_size, dispatch.push_constants.data());
+                vkCmdPushConstants(commands, state.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, state.push_constant_size,
+                                   dispatch.push_constants.data());
             vkCmdDispatch(commands, dispatch.group_count.x, dispatch.group_count.y, dispatch.group_count.z);
             // What follows may be another dispatch, a copy or a read by the host.
-            memory_barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-                           VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
-                               VK_PIPELINE_STAGE_HOST_BIT,
-                           VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                               VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_HOST_READ_BIT);
+            memory_barrier(
+                commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_HOST_BIT,
+                VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                    VK_ACCESS_HOST_READ_BIT);
         }
     });
 }

@@ -29,9 +29,8 @@ namespace spinel {
 struct VulkanContext;
 
 struct VulkanDeviceOptions {
-    std::string name;  // part of the device's name; empty: the fastest kind of device
-    bool always_stage =
-        false;  // copy through staging memory even where device memory is mapped, as on a discrete GPU
+    std::string name;           // part of the device's name; empty: the fastest kind of device
+    bool always_stage = false;  // copy through staging memory even where device memory is mapped, as on a discrete GPU
 };
 
 // Memory of the device. Move-only; freed with the object.
@@ -100,14 +99,12 @@ class VulkanDevice {
     Result<std::vector<T>> read(const VulkanBuffer& buffer) {
         static_assert(std::is_trivially_copyable_v<T>);
         std::vector<T> values(buffer.size() / sizeof(T));
-        if (auto done = download(buffer, std::as_writable_bytes(std::span(values))); !done)
-            return done.error();
+        if (auto done = download(buffer, std::as_writable_bytes(std::span(values))); !done) return done.error();
         return values;
     }
 
     template <class PushConstants>
-    Result<void> run(const VulkanPipeline& pipeline, const PushConstants& push_constants,
-                     glm::uvec3 group_count) {
+    Result<void> run(const VulkanPipeline& pipeline, const PushConstants& push_constants, glm::uvec3 group_count) {
         static_assert(std::is_trivially_copyable_v<PushConstants>);
         const VulkanDispatch dispatch{&pipeline, std::as_bytes(std::span(&push_constants, 1)), group_count};
         return run(std::span(&dispatch, 1));

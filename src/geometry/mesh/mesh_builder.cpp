@@ -11,8 +11,8 @@ bool is_finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) 
 
 Result<void> check_size(const char* name, std::size_t size, const char* unit, std::size_t expected) {
     if (size == 0 || size == expected) return {};
-    return Error{"mesh has " + std::to_string(size) + " " + name + " for " + std::to_string(expected) + " " +
-                 unit + "; allowed: none, or one for each"};
+    return Error{"mesh has " + std::to_string(size) + " " + name + " for " + std::to_string(expected) + " " + unit +
+                 "; allowed: none, or one for each"};
 }
 
 }  // namespace
@@ -21,8 +21,7 @@ Result<void> validate_mesh(const MeshGeometry& mesh) {
     const std::size_t vertex_count = mesh.positions.size();
     if (mesh.triangles.empty()) return Error{"mesh has no triangles"};
     if (vertex_count > kernels::NONE || mesh.triangles.size() > kernels::BVH_MAX_PRIMITIVES) {
-        return Error{"mesh is too large: at most " + std::to_string(kernels::BVH_MAX_PRIMITIVES) +
-                     " triangles"};
+        return Error{"mesh is too large: at most " + std::to_string(kernels::BVH_MAX_PRIMITIVES) + " triangles"};
     }
     for (std::size_t i = 0; i < vertex_count; ++i) {
         if (!is_finite(mesh.positions[i]))
@@ -32,8 +31,8 @@ Result<void> validate_mesh(const MeshGeometry& mesh) {
         for (int corner = 0; corner < 3; ++corner) {
             const std::uint32_t vertex = mesh.triangles[i][corner];
             if (vertex < vertex_count) continue;
-            return Error{"mesh triangle " + std::to_string(i) + " refers to vertex " +
-                         std::to_string(vertex) + ", but there are only " + std::to_string(vertex_count)};
+            return Error{"mesh triangle " + std::to_string(i) + " refers to vertex " + std::to_string(vertex) +
+                         ", but there are only " + std::to_string(vertex_count)};
         }
     }
     if (auto r = check_size("normals", mesh.normals.size(), "vertices", vertex_count); !r) return r;
@@ -56,8 +55,7 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const BvhOptions& options)
         const vec3 b = mesh.positions[mesh.triangles[i].y];
         const vec3 c = mesh.positions[mesh.triangles[i].z];
         const vec3 normal = glm::cross(b - a, c - a);
-        if (!(glm::dot(normal, normal) > 0))
-            continue;  // also where the square underflows: no direction to be had
+        if (!(glm::dot(normal, normal) > 0)) continue;  // also where the square underflows: no direction to be had
         kept.push_back(static_cast<std::uint32_t>(i));
         boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
     }
@@ -70,8 +68,7 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const BvhOptions& options)
     for (const std::uint32_t box : bvh.order) {
         const std::uint32_t primitive = kept[box];
         const uvec3 vertices = mesh.triangles[primitive];
-        data.triangles.push_back(
-            {mesh.positions[vertices.x], mesh.positions[vertices.y], mesh.positions[vertices.z]});
+        data.triangles.push_back({mesh.positions[vertices.x], mesh.positions[vertices.y], mesh.positions[vertices.z]});
         data.infos.push_back({vertices, mesh.slots.empty() ? 0u : mesh.slots[primitive], primitive});
     }
 

@@ -16,9 +16,8 @@ struct MeshData {
     std::vector<kernels::BvhNode> nodes;
     std::vector<kernels::Triangle> triangles;
     std::vector<kernels::TriangleInfo> infos;
-    std::vector<kernels::VertexAttributes>
-        attributes;  // one a vertex; what the user left out: zero, colours one
-    Box bounds;      // of the vertices
+    std::vector<kernels::VertexAttributes> attributes;  // one a vertex; what the user left out: zero, colours one
+    Box bounds;                                         // of the vertices
     BvhStatistics statistics;
 };
 

@@ -18,9 +18,7 @@ const double INV_SQRT3 = 1.0 / std::sqrt(3.0);
 
 SdfBox grown(const SdfBox& box, double r) { return {box.lower - dvec3(r), box.upper + dvec3(r)}; }
 
-SdfBox hull(const SdfBox& a, const SdfBox& b) {
-    return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
-}
+SdfBox hull(const SdfBox& a, const SdfBox& b) { return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)}; }
 
 bool contains(const SdfBox& outer, const SdfBox& inner) {
     return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) &&
@@ -79,9 +77,7 @@ SdfSupport intersected(const std::vector<SdfTree>& children) {
     return {box, slope * INV_SQRT3};
 }
 
-SdfSupport united(const SdfSupport& a, const SdfSupport& b) {
-    return {hull(a.box, b.box), std::min(a.slope, b.slope)};
-}
+SdfSupport united(const SdfSupport& a, const SdfSupport& b) { return {hull(a.box, b.box), std::min(a.slope, b.slope)}; }
 
 // How far below the least of n equal values a fold of smooth minima can end: each step adds (k − depth)² /
 // 4k.
@@ -96,11 +92,9 @@ SdfSupport combined(const SdfTree& node) {
     switch (node.operation->kernel_op) {
         case kernels::SDF_OP_MIN:
         case kernels::SDF_OP_SMOOTH_MIN:
-            for (std::size_t i = 1; i < node.children.size(); i++)
-                support = united(support, node.children[i].support);
+            for (std::size_t i = 1; i < node.children.size(); i++) support = united(support, node.children[i].support);
             if (node.operation->kernel_op == kernels::SDF_OP_SMOOTH_MIN)
-                support.box =
-                    grown(support.box, smooth_depth(node.children.size(), node.numbers[0]) / support.slope);
+                support.box = grown(support.box, smooth_depth(node.children.size(), node.numbers[0]) / support.slope);
             return support;
         case kernels::SDF_OP_MAX:
         case kernels::SDF_OP_SMOOTH_MAX:  // never below the maximum
@@ -134,9 +128,7 @@ std::optional<std::string> analyse_repeat(SdfTree& node) {
                 "period_{} is {}, but the child reaches to {:.6g} from its place{}: it must stay within one "
                 "period",
                 "xyz"[axis], period, side,
-                node.reach > 0
-                    ? fmt::format(" and what is around it by {:.6g} more", node.reach / child.slope)
-                    : "");
+                node.reach > 0 ? fmt::format(" and what is around it by {:.6g} more", node.reach / child.slope) : "");
         }
         node.least = std::min(node.least, least);
         double shift = extent >= SDF_ENDLESS ? UNBOUNDED : period * extent;
@@ -175,8 +167,7 @@ kernels::uint registers_needed(const SdfTree& node) {
     const std::vector<SdfTree>& children = node.children;
     kernels::uint op = node.operation->kernel_op;
     if (node.operation->role == SdfRole::shape) return 1;
-    if (node.operation->role == SdfRole::repeat)
-        return children[0].value_registers + (node.nearest_axes == 7 ? 0 : 1);
+    if (node.operation->role == SdfRole::repeat) return children[0].value_registers + (node.nearest_axes == 7 ? 0 : 1);
     if (node.operation->role != SdfRole::combine) return children[0].value_registers;
     bool commutes = op == kernels::SDF_OP_MIN || op == kernels::SDF_OP_MAX;
     kernels::uint first = children[0].value_registers;
@@ -199,10 +190,9 @@ double weight_of(const SdfTree& node) {
 class Resolver {
   public:
     // Fills `node` from `source`; an error otherwise.
-    std::optional<Error> resolve(const SdfNode& source, const std::string& path, double reach,
-                                 std::size_t depth, SdfTree& node) {
-        if (depth > SDF_MAX_DEPTH)
-            return Error{fmt::format("{}: nested deeper than {}", path, SDF_MAX_DEPTH)};
+    std::optional<Error> resolve(const SdfNode& source, const std::string& path, double reach, std::size_t depth,
+                                 SdfTree& node) {
+        if (depth > SDF_MAX_DEPTH) return Error{fmt::format("{}: nested deeper than {}", path, SDF_MAX_DEPTH)};
         if (++count_ > SDF_MAX_NODES)
             return Error{fmt::format("{}: the expression has more than {} operations", path, SDF_MAX_NODES)};
         node.operation = find_sdf_operation(source.op);
@@ -220,15 +210,14 @@ class Resolver {
             const SdfNode& child = source.children[i];
             std::string child_path = source.children.size() > 1 ? fmt::format("{}[{}].{}", path, i, child.op)
                                                                 : fmt::format("{}.{}", path, child.op);
-            if (auto error = resolve(child, child_path, inner_reach, depth + 1, node.children[i]))
-                return error;
+            if (auto error = resolve(child, child_path, inner_reach, depth + 1, node.children[i])) return error;
         }
         if (auto fault = find_support(node)) return Error{fmt::format("{}: {}", path, *fault)};
         node.weight = weight_of(node);
         node.value_registers = registers_needed(node);
         if (node.value_registers > kernels::SDF_VALUE_REGISTERS) {
-            return Error{fmt::format("{}: needs {} value registers, of which there are {}: nest less deeply",
-                                     path, node.value_registers, kernels::SDF_VALUE_REGISTERS)};
+            return Error{fmt::format("{}: needs {} value registers, of which there are {}: nest less deeply", path,
+                                     node.value_registers, kernels::SDF_VALUE_REGISTERS)};
         }
         return std::nullopt;
     }
@@ -264,9 +253,7 @@ class Resolver {
                 child.box.lower -= 0.5 * dvec3(n[0], n[1], n[2]);
                 child.box.upper += 0.5 * dvec3(n[0], n[1], n[2]);
                 break;
-            case SdfRole::offset:
-                child.box = grown(child.box, std::max(double(n[0]), 0.0) / child.slope);
-                break;
+            case SdfRole::offset: child.box = grown(child.box, std::max(double(n[0]), 0.0) / child.slope); break;
             case SdfRole::shell: child.box = grown(child.box, 0.5 * n[0] / child.slope); break;
             case SdfRole::displace: child.box = grown(child.box, std::abs(double(n[0])) / child.slope); break;
         }
@@ -281,8 +268,7 @@ class Resolver {
 
 bool is_finite(const SdfBox& box) {
     constexpr double limit = 1e9;  // beyond, floats resolve nothing
-    return glm::all(glm::greaterThan(box.lower, dvec3(-limit))) &&
-           glm::all(glm::lessThan(box.upper, dvec3(limit)));
+    return glm::all(glm::greaterThan(box.lower, dvec3(-limit))) && glm::all(glm::lessThan(box.upper, dvec3(limit)));
 }
 
 float sdf_repeat_extent(std::span<const float> numbers, int axis) {
@@ -298,8 +284,7 @@ glm::dvec4 sdf_quaternion(std::span<const float> numbers) {
 
 Result<SdfTree> resolve_sdf(const SdfNode& root) {
     SdfTree tree;
-    if (auto error = Resolver().resolve(root, root.op.empty() ? "expression" : root.op, 0, 1, tree))
-        return *error;
+    if (auto error = Resolver().resolve(root, root.op.empty() ? "expression" : root.op, 0, 1, tree)) return *error;
     return tree;
 }
 
@@ -321,8 +306,7 @@ double sdf_lipschitz(SdfTree& node, const SdfBox& domain) {
             return sdf_lipschitz(node.children[0], rotated(dvec4(-dvec3(q), q.w), domain));
         }
         case SdfRole::scale:
-            return sdf_lipschitz(node.children[0],
-                                 {domain.lower / double(n[0]), domain.upper / double(n[0])});
+            return sdf_lipschitz(node.children[0], {domain.lower / double(n[0]), domain.upper / double(n[0])});
         case SdfRole::repeat: {
             SdfBox cell = domain;
             for (int axis = 0; axis < 3; axis++) {

@@ -40,8 +40,7 @@ struct SdfTree {
     double reach = 0;  // values of f in [−reach, reach] matter to what is above
     bool far = false;  // twist, repeat: cut off, see above
     double least = 0;
-    kernels::uint nearest_axes =
-        0;  // repeat: bits of axes where the nearest cell is enough; two cells on the others
+    kernels::uint nearest_axes = 0;  // repeat: bits of axes where the nearest cell is enough; two cells on the others
     kernels::uint value_registers = 1;  // that the node needs
     double weight = 1;                  // roughly how many instructions it becomes
 };

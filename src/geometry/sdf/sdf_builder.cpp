@@ -71,9 +71,7 @@ class Emitter {
         switch (node.operation->role) {
             case SdfRole::shape: return emit_shape(node, place);
             case SdfRole::combine: return emit_combine(node, place);
-            case SdfRole::translate:
-                place.shift -= dvec3(n[0], n[1], n[2]);
-                return emit(node.children[0], place);
+            case SdfRole::translate: place.shift -= dvec3(n[0], n[1], n[2]); return emit(node.children[0], place);
             case SdfRole::rotate: {
                 dvec4 q = sdf_quaternion(n);
                 dvec4 inverse(-dvec3(q), q.w);
@@ -96,12 +94,10 @@ class Emitter {
             }
             case SdfRole::elongate: {
                 vec4 half(0.5f * n[0], 0.5f * n[1], 0.5f * n[2], 0);
-                return emit(node.children[0],
-                            warp(settle(place), false, kernels::SDF_OP_ELONGATE, half, vec4(0)));
+                return emit(node.children[0], warp(settle(place), false, kernels::SDF_OP_ELONGATE, half, vec4(0)));
             }
             case SdfRole::offset: return change(emit(node.children[0], place), kernels::SDF_OP_OFFSET, n[0]);
-            case SdfRole::shell:
-                return change(emit(node.children[0], place), kernels::SDF_OP_SHELL, 0.5f * n[0]);
+            case SdfRole::shell: return change(emit(node.children[0], place), kernels::SDF_OP_SHELL, 0.5f * n[0]);
             case SdfRole::displace: {
                 place = settle(place);
                 uint value = emit(node.children[0], shared(place));
@@ -130,8 +126,7 @@ class Emitter {
   private:
     void add(uint op, uint target, uint a, uint b, vec4 data0, vec4 data1) {
         if (ops_.size() >= MAX_OPS) {
-            fault_ =
-                fmt::format("its repeats expand to more than {} instructions: nest fewer of them", MAX_OPS);
+            fault_ = fmt::format("its repeats expand to more than {} instructions: nest fewer of them", MAX_OPS);
             return;
         }
         ops_.push_back(SdfOp(op, target, a, b, data0, data1));
@@ -140,9 +135,8 @@ class Emitter {
     uint take_point() {
         uint i = points_.take();
         if (i == points_.count()) {
-            fault_ =
-                fmt::format("needs more than {} point registers: nest fewer rotations, scalings and warps",
-                            points_.count());
+            fault_ = fmt::format("needs more than {} point registers: nest fewer rotations, scalings and warps",
+                                 points_.count());
             return 0;
         }
         return i;
@@ -269,9 +263,8 @@ class Emitter {
         }
         vec3 e = upper - lower;
         int axis = e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
-        std::stable_sort(group.begin(), group.end(), [&](const SdfTree* a, const SdfTree* b) {
-            return centre(a)[axis] < centre(b)[axis];
-        });
+        std::stable_sort(group.begin(), group.end(),
+                         [&](const SdfTree* a, const SdfTree* b) { return centre(a)[axis] < centre(b)[axis]; });
     }
 
     // In floats; edges without end become merely large, of size whose square is still a float.
@@ -316,8 +309,7 @@ class Emitter {
 
     uint emit_far(const SdfTree& node, const Place& place, uint value) {
         auto [centre, half] = centre_and_half(node.support.box);
-        add(kernels::SDF_OP_FAR, value, value, place.point, vec4(centre, node.least),
-            vec4(half, node.support.slope));
+        add(kernels::SDF_OP_FAR, value, value, place.point, vec4(centre, node.least), vec4(half, node.support.slope));
         release(place);
         return value;
     }
@@ -341,27 +333,27 @@ Result<SdfData> build_sdf(const SdfGeometry& geometry) {
     if (geometry.bounds) {
         SdfBox bounds = {dvec3(geometry.bounds->first), dvec3(geometry.bounds->second)};
         if (!glm::all(glm::lessThan(bounds.lower, bounds.upper)) || !is_finite(bounds)) {
-            return Error{fmt::format(
-                "bounds go from {} to {}: they must be finite and the upper corner greater on every axis",
-                text_of(bounds.lower), text_of(bounds.upper))};
+            return Error{
+                fmt::format("bounds go from {} to {}: they must be finite and the upper corner greater on every axis",
+                            text_of(bounds.lower), text_of(bounds.upper))};
         }
         clipped = glm::any(glm::greaterThanEqual(bounds.lower, solid.lower)) ||
                   glm::any(glm::lessThanEqual(bounds.upper, solid.upper));
         SdfBox both = {glm::max(bounds.lower, solid.lower), glm::min(bounds.upper, solid.upper)};
         if (glm::any(glm::greaterThanEqual(both.lower, both.upper))) {
-            return Error{fmt::format(
-                "bounds from {} to {} hold nothing of the solid, which lies between {} and {}",
-                text_of(bounds.lower), text_of(bounds.upper), text_of(solid.lower), text_of(solid.upper))};
+            return Error{fmt::format("bounds from {} to {} hold nothing of the solid, which lies between {} and {}",
+                                     text_of(bounds.lower), text_of(bounds.upper), text_of(solid.lower),
+                                     text_of(solid.upper))};
         }
         solid = both;
     } else if (!is_finite(solid)) {
-        return Error{fmt::format("{}: the solid has no end ({} to {}): give the geometry bounds",
-                                 geometry.root.op, text_of(solid.lower), text_of(solid.upper))};
+        return Error{fmt::format("{}: the solid has no end ({} to {}): give the geometry bounds", geometry.root.op,
+                                 text_of(solid.lower), text_of(solid.upper))};
     }
 
     // Bounds lie strictly outside of the solid: a ray that enters them is outside, whatever the rounding.
-    double scale = glm::length(solid.upper - solid.lower) +
-                   glm::length(glm::max(glm::abs(solid.lower), glm::abs(solid.upper)));
+    double scale =
+        glm::length(solid.upper - solid.lower) + glm::length(glm::max(glm::abs(solid.lower), glm::abs(solid.upper)));
     SdfBox outer = {solid.lower - dvec3(1e-5 * scale), solid.upper + dvec3(1e-5 * scale)};
 
     double lipschitz = sdf_lipschitz(tree, outer);

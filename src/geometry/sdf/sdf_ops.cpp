@@ -104,8 +104,8 @@ SdfOperation combine_row(std::string_view name, std::string_view doc, std::vecto
             .example = example};
 }
 
-SdfOperation change_row(std::string_view name, std::string_view doc, SdfRole role,
-                        std::vector<SdfParameter> parameters, std::string_view example) {
+SdfOperation change_row(std::string_view name, std::string_view doc, SdfRole role, std::vector<SdfParameter> parameters,
+                        std::string_view example) {
     return {.name = name,
             .doc = doc,
             .role = role,
@@ -123,31 +123,26 @@ SdfOperation with_fault(SdfOperation row, std::optional<std::string> (*fault)(st
 std::vector<SdfOperation> make_table() {
     const SdfParameter blend = size("k", "width of the blend: where the two distances differ by less");
     return {
-        shape_row("sphere", "Sphere about the origin.", {size("radius", "of the sphere")}, sphere,
-                  "sphere(0.8)"),
+        shape_row("sphere", "Sphere about the origin.", {size("radius", "of the sphere")}, sphere, "sphere(0.8)"),
         shape_row("box", "Box about the origin.",
-                  {size("x", "full edge"), size("y", "full edge"), size("z", "full edge")}, box,
-                  "box(1, 1.4, 0.6)"),
+                  {size("x", "full edge"), size("y", "full edge"), size("z", "full edge")}, box, "box(1, 1.4, 0.6)"),
         with_fault(shape_row("rounded_box", "Box about the origin with rounded edges.",
                              {size("x", "full edge"), size("y", "full edge"), size("z", "full edge"),
                               SdfParameter{"radius", "of the edges", 0, LARGE}},
                              rounded_box, "rounded_box(1, 1.4, 0.6, 0.2)"),
                    rounded_box_fault),
         shape_row("torus", "Ring about the y axis.",
-                  {size("ring", "radius of the ring's centre line"), size("tube", "radius of the tube")},
-                  torus, "torus(0.7, 0.25)"),
+                  {size("ring", "radius of the ring's centre line"), size("tube", "radius of the tube")}, torus,
+                  "torus(0.7, 0.25)"),
         shape_row("cylinder", "Capped cylinder along the y axis, about the origin.",
-                  {size("radius", "of the cylinder"), size("height", "full height")}, cylinder,
-                  "cylinder(0.6, 1.2)"),
-        with_fault(
-            shape_row("plane", "Half-space below a plane: solid where dot(normal, p) < distance. Unbounded.",
-                      {coordinate("nx", "normal"), coordinate("ny", "normal"), coordinate("nz", "normal"),
-                       coordinate("distance", "of the plane from the origin, along the normal")},
-                      plane, "intersection(sphere(1), plane(1, 2, 3, 0.1))"),
-            direction_fault),
+                  {size("radius", "of the cylinder"), size("height", "full height")}, cylinder, "cylinder(0.6, 1.2)"),
+        with_fault(shape_row("plane", "Half-space below a plane: solid where dot(normal, p) < distance. Unbounded.",
+                             {coordinate("nx", "normal"), coordinate("ny", "normal"), coordinate("nz", "normal"),
+                              coordinate("distance", "of the plane from the origin, along the normal")},
+                             plane, "intersection(sphere(1), plane(1, 2, 3, 0.1))"),
+                   direction_fault),
         shape_row("gyroid", "Triply periodic sheet sin x cos y + sin y cos z + sin z cos x = 0. Unbounded.",
-                  {size("period", "edge of the cubic cell"),
-                   size("thickness", "of the sheet where it is thinnest")},
+                  {size("period", "edge of the cubic cell"), size("thickness", "of the sheet where it is thinnest")},
                   gyroid, "intersection(sphere(1), gyroid(0.9, 0.15))"),
 
         combine_row("union", "Solid where any child is.", {}, kernels::SDF_OP_MIN,
@@ -166,44 +161,39 @@ std::vector<SdfOperation> make_table() {
         change_row("translate", "Moves the child.", SdfRole::translate,
                    {coordinate("x", "shift"), coordinate("y", "shift"), coordinate("z", "shift")},
                    "translate(0.5, -0.25, 1, box(1, 1, 0.5))"),
+        with_fault(change_row("rotate", "Turns the child about an axis through the origin, counter-clockwise.",
+                              SdfRole::rotate,
+                              {coordinate("ax", "axis"), coordinate("ay", "axis"), coordinate("az", "axis"),
+                               coordinate("degrees", "angle")},
+                              "rotate(1, 2, -0.5, 35, box(1, 1.4, 0.5))"),
+                   direction_fault),
+        change_row("scale", "Scales the child about the origin.", SdfRole::scale, {size("factor", "of all axes")},
+                   "scale(1.7, torus(0.7, 0.25))"),
         with_fault(
-            change_row("rotate", "Turns the child about an axis through the origin, counter-clockwise.",
-                       SdfRole::rotate,
-                       {coordinate("ax", "axis"), coordinate("ay", "axis"), coordinate("az", "axis"),
-                        coordinate("degrees", "angle")},
-                       "rotate(1, 2, -0.5, 35, box(1, 1.4, 0.5))"),
-            direction_fault),
-        change_row("scale", "Scales the child about the origin.", SdfRole::scale,
-                   {size("factor", "of all axes")}, "scale(1.7, torus(0.7, 0.25))"),
-        with_fault(
-            change_row(
-                "repeat",
-                "Copies of the child on a lattice. The child must not reach beyond one period from its "
-                "place.",
-                SdfRole::repeat,
-                {SdfParameter{"period_x", "distance of the copies, 0: not along this axis", 0, LARGE},
-                 SdfParameter{"period_y", "distance of the copies, 0: not along this axis", 0, LARGE},
-                 SdfParameter{"period_z", "distance of the copies, 0: not along this axis", 0, LARGE},
-                 SdfParameter{"count_x", "of copies, centred about the origin; 0: no end", 0, 10000, 0.0f},
-                 SdfParameter{"count_y", "of copies, centred about the origin; 0: no end", 0, 10000, 0.0f},
-                 SdfParameter{"count_z", "of copies, centred about the origin; 0: no end", 0, 10000, 0.0f}},
-                "repeat(0.8, 0, 1.1, 3, 0, 2, translate(0.1, 0, 0, box(0.5, 0.9, 0.4)))"),
+            change_row("repeat",
+                       "Copies of the child on a lattice. The child must not reach beyond one period from its "
+                       "place.",
+                       SdfRole::repeat,
+                       {SdfParameter{"period_x", "distance of the copies, 0: not along this axis", 0, LARGE},
+                        SdfParameter{"period_y", "distance of the copies, 0: not along this axis", 0, LARGE},
+                        SdfParameter{"period_z", "distance of the copies, 0: not along this axis", 0, LARGE},
+                        SdfParameter{"count_x", "of copies, centred about the origin; 0: no end", 0, 10000, 0.0f},
+                        SdfParameter{"count_y", "of copies, centred about the origin; 0: no end", 0, 10000, 0.0f},
+                        SdfParameter{"count_z", "of copies, centred about the origin; 0: no end", 0, 10000, 0.0f}},
+                       "repeat(0.8, 0, 1.1, 3, 0, 2, translate(0.1, 0, 0, box(0.5, 0.9, 0.4)))"),
             repeat_fault),
         change_row("twist", "Turns the child about the y axis, ever further along it.", SdfRole::twist,
-                   {SdfParameter{"rate", "radians per unit of y", -1000, 1000}},
-                   "twist(1.5, box(0.6, 2, 0.3))"),
-        change_row(
-            "elongate", "Cuts the child at its middle planes and draws the halves apart.", SdfRole::elongate,
-            {SdfParameter{"x", "how far apart", 0, LARGE}, SdfParameter{"y", "how far apart", 0, LARGE},
-             SdfParameter{"z", "how far apart", 0, LARGE}},
-            "elongate(0.5, 0, 1, torus(0.5, 0.2))"),
+                   {SdfParameter{"rate", "radians per unit of y", -1000, 1000}}, "twist(1.5, box(0.6, 2, 0.3))"),
+        change_row("elongate", "Cuts the child at its middle planes and draws the halves apart.", SdfRole::elongate,
+                   {SdfParameter{"x", "how far apart", 0, LARGE}, SdfParameter{"y", "how far apart", 0, LARGE},
+                    SdfParameter{"z", "how far apart", 0, LARGE}},
+                   "elongate(0.5, 0, 1, torus(0.5, 0.2))"),
         change_row("offset", "Grows the child all around.", SdfRole::offset,
                    {SdfParameter{"distance", "outwards; negative: inwards", -LARGE, LARGE}},
                    "offset(0.15, box(0.8, 1, 0.5))"),
         change_row("shell", "Hollows the child: a wall to both sides of its surface.", SdfRole::shell,
                    {size("thickness", "of the wall")}, "shell(0.1, box(1, 1.4, 0.6))"),
-        change_row("displace",
-                   "Adds amplitude·sin(frequency·x)·sin(frequency·y)·sin(frequency·z) to the distance.",
+        change_row("displace", "Adds amplitude·sin(frequency·x)·sin(frequency·y)·sin(frequency·z) to the distance.",
                    SdfRole::displace,
                    {SdfParameter{"amplitude", "greatest displacement", -LARGE, LARGE},
                     SdfParameter{"frequency", "radians per unit", 0, LARGE}},
@@ -249,23 +239,20 @@ std::string signature(const SdfOperation& operation) {
 
 }  // namespace
 
-Result<std::vector<float>> complete_sdf_numbers(const SdfOperation& operation,
-                                                std::span<const float> numbers) {
+Result<std::vector<float>> complete_sdf_numbers(const SdfOperation& operation, std::span<const float> numbers) {
     const std::vector<SdfParameter>& parameters = operation.parameters;
     std::size_t needed = 0;
     while (needed < parameters.size() && !parameters[needed].fallback) needed++;
     if (numbers.size() < needed || numbers.size() > parameters.size()) {
-        return Error{
-            fmt::format("{} takes {}; {} given", operation.name, signature(operation), numbers.size())};
+        return Error{fmt::format("{} takes {}; {} given", operation.name, signature(operation), numbers.size())};
     }
     std::vector<float> complete(numbers.begin(), numbers.end());
-    for (std::size_t i = complete.size(); i < parameters.size(); i++)
-        complete.push_back(*parameters[i].fallback);
+    for (std::size_t i = complete.size(); i < parameters.size(); i++) complete.push_back(*parameters[i].fallback);
     for (std::size_t i = 0; i < complete.size(); i++) {
         const SdfParameter& parameter = parameters[i];
         if (!(complete[i] >= parameter.minimum && complete[i] <= parameter.maximum)) {  // also rejects NaN
-            return Error{fmt::format("{} of {} is {}, allowed is {} to {}", parameter.name, operation.name,
-                                     complete[i], parameter.minimum, parameter.maximum)};
+            return Error{fmt::format("{} of {} is {}, allowed is {} to {}", parameter.name, operation.name, complete[i],
+                                     parameter.minimum, parameter.maximum)};
         }
     }
     if (operation.fault) {

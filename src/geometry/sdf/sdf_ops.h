@@ -38,8 +38,7 @@ struct SdfParameter {
     std::string_view doc;
     float minimum;
     float maximum;
-    std::optional<float> fallback =
-        std::nullopt;  // none: must be given. Only the last parameters may have one
+    std::optional<float> fallback = std::nullopt;  // none: must be given. Only the last parameters may have one
 };
 
 // A box that may be infinite in any direction.
@@ -66,7 +65,7 @@ struct SdfOperation {
     SdfShape (*shape)(std::span<const float> numbers) = nullptr;                    // of role shape
     kernels::uint kernel_op = 0;                                                    // of role combine
     std::optional<std::string> (*fault)(std::span<const float> numbers) = nullptr;  // what ranges cannot say
-    std::string_view example = {};  // a bounded use of it, as text
+    std::string_view example = {};                                                  // a bounded use of it, as text
 };
 
 constexpr std::size_t SDF_ANY_COUNT = ~std::size_t(0);
@@ -82,8 +81,7 @@ const SdfOperation* find_sdf_operation(std::string_view name);
 std::string unknown_sdf_operation(std::string_view name);
 
 // The numbers with defaults filled in, or what is wrong with them: too few, too many, out of range.
-Result<std::vector<float>> complete_sdf_numbers(const SdfOperation& operation,
-                                                std::span<const float> numbers);
+Result<std::vector<float>> complete_sdf_numbers(const SdfOperation& operation, std::span<const float> numbers);
 
 // What is wrong with that many children, if anything.
 std::optional<std::string> sdf_child_fault(const SdfOperation& operation, std::size_t child_count);

@@ -73,8 +73,7 @@ double repeat(const SdfNode& child, const std::vector<float>& n, dvec3 p) {
     for (double i = first[0]; i <= last[0]; i++)
         for (double j = first[1]; j <= last[1]; j++)
             for (double k = first[2]; k <= last[2]; k++)
-                nearest =
-                    std::min(nearest, sdf_reference(child, p - dvec3(i, j, k) * dvec3(n[0], n[1], n[2])));
+                nearest = std::min(nearest, sdf_reference(child, p - dvec3(i, j, k) * dvec3(n[0], n[1], n[2])));
     return nearest;
 }
 

@@ -33,19 +33,15 @@ class Parser {
   private:
     std::optional<Error> parse_expression(SdfNode& node, std::size_t depth) {
         std::size_t start = at_;
-        if (depth > SDF_MAX_DEPTH)
-            return error_at(start, fmt::format("nested deeper than {}", SDF_MAX_DEPTH));
-        if (++count_ > SDF_MAX_NODES)
-            return error_at(start, fmt::format("more than {} operations", SDF_MAX_NODES));
-        if (!starts_name(peek()))
-            return error_at(start, fmt::format("expected an operation, found {}", found()));
+        if (depth > SDF_MAX_DEPTH) return error_at(start, fmt::format("nested deeper than {}", SDF_MAX_DEPTH));
+        if (++count_ > SDF_MAX_NODES) return error_at(start, fmt::format("more than {} operations", SDF_MAX_NODES));
+        if (!starts_name(peek())) return error_at(start, fmt::format("expected an operation, found {}", found()));
         while (starts_name(peek()) || is_digit(peek())) at_++;
         node.op = text_.substr(start, at_ - start);
         const SdfOperation* operation = find_sdf_operation(node.op);
         if (!operation) return error_at(start, unknown_sdf_operation(node.op));
         skip();
-        if (peek() != '(')
-            return error_at(at_, fmt::format("expected '(' after {}, found {}", node.op, found()));
+        if (peek() != '(') return error_at(at_, fmt::format("expected '(' after {}, found {}", node.op, found()));
         at_++;
         skip();
         if (peek() != ')') {
@@ -147,9 +143,7 @@ void write(const SdfNode& node, std::string& text) {
 
 }  // namespace
 
-Result<SdfNode> parse_sdf_text(std::string_view text, const std::string& where) {
-    return Parser(text, where).parse();
-}
+Result<SdfNode> parse_sdf_text(std::string_view text, const std::string& where) { return Parser(text, where).parse(); }
 
 std::string sdf_text(const SdfNode& node) {
     std::string text;

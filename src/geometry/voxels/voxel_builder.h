@@ -12,7 +12,7 @@ namespace spinel {
 struct VoxelData {
     std::vector<std::uint32_t> words;  // four cells a word, little end first
     kernels::VoxelGrid grid;           // word_first = 0: relative to `words`
-    std::uint32_t slot_count = 0;  // the largest palette index: so many material slots does an instance need
+    std::uint32_t slot_count = 0;      // the largest palette index: so many material slots does an instance need
 };
 
 // Every edge at least 1, at most (2³² − 4) / 6 cells in all, and as many cells as the size says.

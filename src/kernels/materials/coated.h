@@ -31,8 +31,7 @@ FN vec3 coated_energy(float f0, float roughness) {
     if (coated_is_smooth(roughness)) return vec3(0.0f, 0.0f, 1.0f - schlick_average(vec3(f0)).x);
     float missing = ggx_missing_average(roughness);
     float again = ggx_multiple_tint(schlick_average(vec3(f0)), missing).x;
-    return vec3(missing, again,
-                1.0f - mix(ggx_schlick_part_average(roughness), 1.0f - missing, f0) - again * missing);
+    return vec3(missing, again, 1.0f - mix(ggx_schlick_part_average(roughness), 1.0f - missing, f0) - again * missing);
 }
 
 // The layer towards a direction.
@@ -66,8 +65,7 @@ FN float coated_specular_probability(const_in(Coated) c, const_in(CoatedView) o)
     return total > 0.0f ? specular / total : 1.0f;
 }
 
-FN vec4 coated_eval_pdf_view(const_in(Coated) c, vec3 wo, vec3 wi, const_in(CoatedView) o,
-                             float specular_probability) {
+FN vec4 coated_eval_pdf_view(const_in(Coated) c, vec3 wo, vec3 wi, const_in(CoatedView) o, float specular_probability) {
     CoatedView i = coated_view(c, wi.z);
     float lambert = lambert_pdf(wi);
     vec3 value = (c.base * (o.through * i.through / max(c.energy.z, 1e-6f)) +

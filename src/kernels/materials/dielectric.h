@@ -60,8 +60,7 @@ FN vec4 dielectric_eval_pdf_missing(const_in(Bsdf) b, vec3 wo, vec3 wi, float mi
             once_value = once_pdf * ggx_g2(alpha, wo, wi) / ggx_g1(alpha, wo);
         }
     }
-    float again =
-        ggx_multiple(missing, dielectric_missing(b.roughness, -wi.z, 1.0f / eta), b.energy.y) * lambert;
+    float again = ggx_multiple(missing, dielectric_missing(b.roughness, -wi.z, 1.0f / eta), b.energy.y) * lambert;
     float value = (once_value + b.energy.z * again) / (eta * eta);
     return vec4(b.color * value, mix(once_pdf, b.energy.z * lambert, missing));
 }
@@ -119,8 +118,7 @@ inline constexpr MaterialParameter dielectric_parameters[] = {
     {"ior", &Material::ior, 1.5f, 1, 3, nullptr, "Index of refraction of the inside."},
     {"absorption", &Material::absorption, vec3(0.0f), 0, 1e6f, nullptr,
      "Absorption coefficient of the inside per unit length (Beer-Lambert)."},
-    {"priority", &Material::priority, 0, -1000, 1000, nullptr,
-     "Where dielectrics overlap, the highest priority wins."},
+    {"priority", &Material::priority, 0, -1000, 1000, nullptr, "Where dielectrics overlap, the highest priority wins."},
 };
 inline constexpr MaterialDescription dielectric_description = {
     "Glass, water, ice: reflection and refraction, smooth or rough (GGX).", dielectric_parameters, {}};

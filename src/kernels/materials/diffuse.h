@@ -31,8 +31,8 @@ FN vec4 diffuse_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
     float mean = a * (1.0f + EON_C2 * r);
     vec3 once = b.color * (a * (1.0f + r * s_by_t));
     vec3 tint = b.color * b.color * mean / (vec3(1.0f) - b.color * (1.0f - mean));
-    float lost = max(1.0f - eon_single_albedo(wo.z, r), 0.0f) * max(1.0f - eon_single_albedo(wi.z, r), 0.0f) /
-                 (1.0f - mean);
+    float lost =
+        max(1.0f - eon_single_albedo(wo.z, r), 0.0f) * max(1.0f - eon_single_albedo(wi.z, r), 0.0f) / (1.0f - mean);
     return vec4((once + tint * lost) * pdf, pdf);
 }
 

@@ -19,8 +19,7 @@ FN void metal_make(inout(Bsdf) b) {
     } else {
         b.color = fresnel_conductor(1.0f, b.eta, b.k);
         vec3 schlick = b.color + (vec3(1.0f) - b.color) * schlick_weight(1.0f / 7.0f);
-        b.edge_color =
-            fresnel_f82_dip(b.color, fresnel_conductor(1.0f / 7.0f, b.eta, b.k) / max(schlick, vec3(1e-6f)));
+        b.edge_color = fresnel_f82_dip(b.color, fresnel_conductor(1.0f / 7.0f, b.eta, b.k) / max(schlick, vec3(1e-6f)));
     }
     b.energy.x = ggx_missing_average(b.roughness);
     b.again = ggx_multiple_tint(fresnel_f82_average(b.color, b.edge_color), b.energy.x);
@@ -47,8 +46,7 @@ FN vec4 metal_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
 }
 
 FN BsdfSample metal_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u) {
-    if (metal_is_delta(b))
-        return BsdfSample(vec3(-wo.x, -wo.y, wo.z), metal_fresnel(b, wo.z), 1.0f, LOBE_DELTA);
+    if (metal_is_delta(b)) return BsdfSample(vec3(-wo.x, -wo.y, wo.z), metal_fresnel(b, wo.z), 1.0f, LOBE_DELTA);
     float missing = ggx_missing(b.roughness, wo.z);  // as much as goes to the second lobe
     vec3 wi = vec3(0.0f);
     if (u_lobe < missing) {
@@ -73,10 +71,8 @@ inline constexpr MaterialParameter metal_parameters[] = {
      "Reflectance at normal incidence (F0), linear Rec.709; not used where eta and k are given."},
     {"edge_color", &Material::edge_color, vec3(1.0f), 0, 1, nullptr,
      "Reflectance at 82 degrees as a fraction of Schlick's curve (F82 tint); 1: Schlick."},
-    {"eta", &Material::eta, vec3(0.0f), 0, 20, nullptr,
-     "Real part of the complex index of refraction, per channel."},
-    {"k", &Material::k, vec3(0.0f), 0, 20, nullptr,
-     "Imaginary part of the complex index of refraction, per channel."},
+    {"eta", &Material::eta, vec3(0.0f), 0, 20, nullptr, "Real part of the complex index of refraction, per channel."},
+    {"k", &Material::k, vec3(0.0f), 0, 20, nullptr, "Imaginary part of the complex index of refraction, per channel."},
     {"roughness", &Material::roughness, 0.2f, 0, 1, &Material::roughness_texture,
      "Perceptual: GGX alpha = roughness squared; 0: a mirror."},
 };

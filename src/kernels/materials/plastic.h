@@ -24,9 +24,7 @@ FN Coated plastic_layers(const_in(Bsdf) b) {
     return Coated(vec3(f0), f0, b.color, b.roughness, b.again, b.energy);
 }
 
-FN vec4 plastic_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) {
-    return coated_eval_pdf(plastic_layers(b), wo, wi);
-}
+FN vec4 plastic_eval_pdf(const_in(Bsdf) b, vec3 wo, vec3 wi) { return coated_eval_pdf(plastic_layers(b), wo, wi); }
 FN BsdfSample plastic_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u) {
     return coated_sample(plastic_layers(b), wo, u_lobe, u);
 }

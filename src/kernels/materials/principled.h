@@ -29,9 +29,7 @@ FN BsdfSample principled_sample(const_in(Bsdf) b, vec3 wo, float u_lobe, vec2 u)
     return coated_sample(principled_layers(b), wo, u_lobe, u);
 }
 FN vec3 principled_albedo(const_in(Bsdf) b, vec3 wo) { return coated_albedo(principled_layers(b), wo); }
-FN bool principled_is_delta(const_in(Bsdf) b) {
-    return b.metallic == 1.0f && ggx_alpha(b.roughness) < GGX_ALPHA_DELTA;
-}
+FN bool principled_is_delta(const_in(Bsdf) b) { return b.metallic == 1.0f && ggx_alpha(b.roughness) < GGX_ALPHA_DELTA; }
 
 KERNELS_END
 
