@@ -50,7 +50,7 @@ FN float sample_pixel_filter(uint kind, float radius, float u) {
         if (c < u) lo = x;
         else hi = x;
         float next = density > 1.0e-4f ? x - (c - u) / density : 0.5f * (lo + hi);
-        x = next > lo && next < hi ? next : 0.5f * (lo + hi);
+        x = next >= lo && next <= hi ? next : 0.5f * (lo + hi);
     }
     return radius * x;
 }
