@@ -101,8 +101,6 @@ def lantern():
         square(layer, r, "2")
         if step == 1:
             square(layer, 5, ".")
-            for k in range(3, n - 3):
-                pass
             for z in range(n):
                 for x in range(n):
                     if max(abs(x - c), abs(z - c)) < 7:
