@@ -16,6 +16,7 @@
 
 #include "image/tone_map.h"
 #include "kernels/scene_view.h"
+#include "spinel/voxels.h"
 
 namespace spinel {
 
@@ -105,11 +106,9 @@ struct MeshGeometry {
     std::vector<std::uint32_t> slots;  // empty (all 0), or the material slot of each triangle
 };
 
-// Dense for now; cell (i,j,k) fills [i,i+1)×… of local space and is at cells[i + size.x·(j + size.y·k)]. 0 is empty,
-// palette index p uses material slot p − 1.
+// Cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) of local space. Palette index p uses material slot p − 1.
 struct VoxelGeometry {
-    ivec3 size = {0, 0, 0};
-    std::vector<std::uint8_t> cells;
+    VoxelTreePointer tree;  // never null in a valid scene
 };
 
 // The box of a density grid: has no surface of its own, holds an object's interior medium.

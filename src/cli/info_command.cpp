@@ -28,9 +28,8 @@ struct Describe {
                 {"uvs", !mesh.uvs.empty()}};
     }
     Json operator()(const VoxelGeometry& voxels) const {
-        const auto occupied =
-            std::count_if(voxels.cells.begin(), voxels.cells.end(), [](std::uint8_t c) { return c != 0; });
-        return {{"size", {voxels.size.x, voxels.size.y, voxels.size.z}}, {"voxels", occupied}};
+        const ivec3 size = voxels.tree->size();
+        return {{"size", {size.x, size.y, size.z}}, {"voxels", voxels.tree->voxel_count()}};
     }
     Json operator()(const VolumeGeometry& volume) const {
         const Grid& grid = scene.grids[std::size_t(volume.grid)];

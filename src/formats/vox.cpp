@@ -123,7 +123,9 @@ class Builder {
         const std::string name = "model " + std::to_string(model);
         if (!solid.empty()) {
             Part part;
-            part.geometry = add_geometry(name, size, voxels, solid);
+            const Result<int> geometry = add_geometry(name, size, voxels, solid);
+            if (!geometry) return geometry.error().message;
+            part.geometry = *geometry;
             // Slots that no voxel uses repeat a used one: −1 there would announce interfaces that are not.
             part.materials.assign(std::size_t(solid.back()), material_of_[std::size_t(solid[0])]);
             for (const int index : solid) part.materials[std::size_t(index - 1)] = material_of_[std::size_t(index)];
@@ -131,7 +133,9 @@ class Builder {
         }
         for (const int index : clouds) {
             Part part;
-            part.geometry = add_geometry(name + " cloud " + std::to_string(index), size, voxels, {index});
+            const Result<int> geometry = add_geometry(name + " cloud " + std::to_string(index), size, voxels, {index});
+            if (!geometry) return geometry.error().message;
+            part.geometry = *geometry;
             part.materials = {-1};
             part.interior = medium_of_[index];
             parts_[model]->push_back(std::move(part));
@@ -139,19 +143,18 @@ class Builder {
         return {};
     }
 
-    int add_geometry(const std::string& name, ivec3 size, std::string_view voxels, const std::vector<int>& kept) {
+    Result<int> add_geometry(const std::string& name, ivec3 size, std::string_view voxels,
+                             const std::vector<int>& kept) {
         std::array<bool, 256> keep{};
         for (const int index : kept) keep[std::size_t(index)] = true;
-        VoxelGeometry geometry;
-        geometry.size = size;
-        geometry.cells.assign(std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z), 0);
+        std::vector<VoxelPoint> points;
         for (std::size_t i = 0; i < voxels.size(); i += 4) {
-            const std::size_t x = std::uint8_t(voxels[i]), y = std::uint8_t(voxels[i + 1]),
-                              z = std::uint8_t(voxels[i + 2]);
-            const std::uint8_t index = std::uint8_t(voxels[i + 3]);
-            if (keep[index]) geometry.cells[x + std::size_t(size.x) * (y + std::size_t(size.y) * z)] = index;
+            const auto byte = [&](std::size_t j) { return std::uint8_t(voxels[i + j]); };
+            if (keep[byte(3)]) points.push_back({{byte(0), byte(1), byte(2)}, byte(3)});
         }
-        scene_.geometries.push_back({name, std::move(geometry)});
+        Result<VoxelTreePointer> tree = build_voxel_tree(size, std::move(points));
+        if (!tree) return tree.error();
+        scene_.geometries.push_back({name, VoxelGeometry{*tree}});
         return int(scene_.geometries.size()) - 1;
     }
 

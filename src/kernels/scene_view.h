@@ -55,6 +55,19 @@ struct Mesh {
 };
 BUFFER(Meshes, Mesh)
 
+// A node of a 64-tree of voxels: a cube of 4×4×4 children, child (i,j,k) in bit i + 4·j + 16·k. The link's upper two
+// bits say what the children in the mask are, the lower ones where:
+const uint VOXEL_LINK_KIND = 0xc0000000u;
+const uint VOXEL_LINK_CHILDREN = 0u;         // nodes, in the order of their bits, from this one on
+const uint VOXEL_LINK_SOLID = 0x40000000u;   // solid cubes of one palette index, which stands here
+const uint VOXEL_LINK_BYTES = 0x80000000u;   // voxels, their palette indices from this word on, four a word …
+const uint VOXEL_LINK_HALVES = 0xc0000000u;  // … or two a word, the lowest bits first
+struct VoxelNode {
+    uint mask_low;
+    uint mask_high;
+    uint link;
+};
+
 // Voxels. Cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) and holds a palette index; 0 is empty space.
 // Palette index p uses material slot p − 1 of the instance.
 struct VoxelGrid {

@@ -128,7 +128,7 @@ struct ShapeBuilder {
         data->grid.word_first = uint(c.out.words.size());
         c.out.voxel_grids.push_back(data->grid);
         append(c.out.words, data->words);
-        shape.upper = vec3(voxels.size);
+        shape.upper = vec3(voxels.tree->size());
         return shape;
     }
     Result<Shape> operator()(const SdfGeometry& sdf) const {

@@ -36,20 +36,26 @@ struct OutlineOf {
         for (const std::size_t i : extreme) points.push_back(m * vec4(mesh.positions[i], 1));
     }
     void operator()(const VoxelGeometry& voxels) const {
-        // The first and last voxel of every column: the outline without the inside.
-        const ivec3 n = voxels.size;
-        const int step = std::max(1, int(std::sqrt(double(n.x) * n.y / double(points_per_geometry))));
-        for (int y = 0; y < n.y; y += 1)
-            for (int x = (y * 7) % step; x < n.x; x += step) {
-                int first = -1, last = -1;
-                for (int z = 0; z < n.z; ++z)
-                    if (voxels.cells[std::size_t(x) +
-                                     std::size_t(n.x) * (std::size_t(y) + std::size_t(n.y) * std::size_t(z))]) {
-                        if (first < 0) first = z;
-                        last = z;
-                    }
-                if (first >= 0) add_corners(points, m, vec3(x, y, first), vec3(x + 1, y + 1, last + 1));
-            }
+        // The outermost voxels of every column: the outline without the inside. Columns are wider in large sets.
+        const ivec3 size = voxels.tree->size();
+        const int width = int(std::ceil(std::sqrt(double(size.x) * size.y / double(points_per_geometry))));
+        const int across = (size.x + width - 1) / width;
+        struct Column {
+            ivec3 lower = ivec3(VoxelTree::max_edge), upper = ivec3(0);
+        };
+        std::vector<Column> columns(std::size_t(across) * std::size_t((size.y + width - 1) / width));
+        voxels.tree->for_each_cube([&](ivec3 lower, int edge, std::uint16_t) {
+            const ivec3 upper = lower + edge;
+            for (int y = lower.y / width; y * width < upper.y; ++y)
+                for (int x = lower.x / width; x * width < upper.x; ++x) {
+                    Column& column = columns[std::size_t(x) + std::size_t(across) * std::size_t(y)];
+                    const ivec3 corner(x * width, y * width, lower.z);
+                    column.lower = glm::min(column.lower, glm::max(lower, corner));
+                    column.upper = glm::max(column.upper, glm::min(upper, corner + ivec3(width, width, edge)));
+                }
+        });
+        for (const Column& column : columns)
+            if (column.upper.z > 0) add_corners(points, m, vec3(column.lower), vec3(column.upper));
     }
     void operator()(const VolumeGeometry& volume) const {
         const Grid& grid = scene.grids[std::size_t(volume.grid)];

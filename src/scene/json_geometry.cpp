@@ -91,18 +91,29 @@ int palette_index(char c) {
     return -1;
 }
 
+VoxelGeometry voxels_of(JsonContext& context, const JsonValue& value, const std::string& what, ivec3 size,
+                        const std::vector<std::uint16_t>& cells) {
+    if (context.json.error()) return {};
+    const Result<VoxelTreePointer> tree = build_voxel_tree(size, cells);
+    if (!tree) {
+        context.json.fail(value, what + ": " + tree.error().message);
+        return {};
+    }
+    return {*tree};
+}
+
 VoxelGeometry read_layers(JsonContext& context, const JsonValue& value, const std::string& what) {
     const std::string where = of("layers", what);
-    VoxelGeometry voxels;
+    ivec3 size(0);
     std::vector<const std::string*> rows;
     context.json.elements(value, where, [&](const JsonValue& layer, std::size_t y) {
         context.json.elements(layer, where, [&](const JsonValue& row, std::size_t z) {
             const auto text = context.json.text(row, where);
             if (!text) return;
-            if (y == 0 && z == 0) voxels.size.x = int(text->size());
-            if (int(text->size()) != voxels.size.x)
+            if (y == 0 && z == 0) size.x = int(text->size());
+            if (int(text->size()) != size.x)
                 context.json.fail(row, where + ": a row of " + std::to_string(text->size()) +
-                                           " characters, but the first row has " + std::to_string(voxels.size.x));
+                                           " characters, but the first row has " + std::to_string(size.x));
             for (const char c : *text)
                 if (palette_index(c) < 0)
                     context.json.fail(row, where + ": '" + std::string(1, c) +
@@ -110,20 +121,21 @@ VoxelGeometry read_layers(JsonContext& context, const JsonValue& value, const st
             rows.push_back(row.text());
         });
         const int depth = layer.array() ? int(layer.array()->size()) : 0;
-        if (y == 0) voxels.size.z = depth;
-        if (depth != voxels.size.z)
+        if (y == 0) size.z = depth;
+        if (depth != size.z)
             context.json.fail(layer, where + ": a layer of " + std::to_string(depth) + " rows, but the first has " +
-                                         std::to_string(voxels.size.z));
+                                         std::to_string(size.z));
     });
-    if (context.json.error()) return voxels;
-    voxels.size.y = int(value.array()->size());
+    if (context.json.error()) return {};
+    size.y = int(value.array()->size());
     if (rows.empty()) context.json.fail(value, where + " holds no voxels");
     // Rows came layer by layer and from z = 0 on; cells run x fastest, then y, then z.
-    for (int z = 0; z < voxels.size.z; ++z)
-        for (int y = 0; y < voxels.size.y; ++y)
-            for (const char c : *rows[std::size_t(y) * std::size_t(voxels.size.z) + std::size_t(z)])
-                voxels.cells.push_back(std::uint8_t(palette_index(c)));
-    return voxels;
+    std::vector<std::uint16_t> cells;
+    for (int z = 0; z < size.z; ++z)
+        for (int y = 0; y < size.y; ++y)
+            for (const char c : *rows[std::size_t(y) * std::size_t(size.z) + std::size_t(z)])
+                cells.push_back(std::uint16_t(palette_index(c)));
+    return voxels_of(context, value, what, size, cells);
 }
 
 VoxelGeometry read_voxels(JsonContext& context, const JsonValue& value, const std::string& what) {
@@ -131,12 +143,12 @@ VoxelGeometry read_voxels(JsonContext& context, const JsonValue& value, const st
         if (!has_no(context, value, {"size", "cells"}, what, "layers")) return {};
         return read_layers(context, *layers, what);
     }
-    VoxelGeometry voxels;
     const JsonValue* size = needed(context, value, "size", what, " with \"cells\" (or \"layers\" or \"file\")");
     const JsonValue* cells = needed(context, value, "cells", what, "");
-    if (size) voxels.size = context.json.size(*size, of("size", what)).value_or(ivec3(0));
-    voxels.cells = read_integers<std::uint8_t>(context, cells, 255, of("cells", what));
-    return voxels;
+    if (!size || !cells) return {};
+    const ivec3 edges = context.json.size(*size, of("size", what)).value_or(ivec3(0));
+    return voxels_of(context, value, what, edges,
+                     read_integers<std::uint16_t>(context, cells, 65535, of("cells", what)));
 }
 
 Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& what, const std::string& name) {

@@ -196,8 +196,9 @@ class Writer {
             if (!mesh->colors.empty()) value["colors"] = vectors(mesh->colors);
             if (!mesh->slots.empty()) value["slots"] = mesh->slots;
         } else if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) {
-            value["size"] = triple(voxels->size);
-            value["cells"] = voxels->cells;
+            const ivec3 size = voxels->tree->size();
+            value["size"] = triple(size);
+            value["cells"] = cells(*voxels->tree);
         } else if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             const Grid& grid = scene_.grids[std::size_t(volume->grid)];
             value["size"] = triple(grid.size);
@@ -209,6 +210,23 @@ class Writer {
             if (sdf->bounds) value["bounds"] = vectors(std::vector<vec3>{sdf->bounds->first, sdf->bounds->second});
         }
         return value;
+    }
+
+    // Every cell is written, the empty ones too, so sparse sets of great size have no place in a scene file.
+    std::vector<std::uint16_t> cells(const VoxelTree& tree) {
+        constexpr std::uint64_t limit = 1u << 26;
+        const glm::u64vec3 size(tree.size());
+        if (size.x * size.y > limit || size.x * size.y * size.z > limit) {
+            error_ = Error{"a voxel set of " + std::to_string(size.x) + "×" + std::to_string(size.y) + "×" +
+                           std::to_string(size.z) + " cells cannot be written into a scene file: at most " +
+                           std::to_string(limit) + " cells"};
+            return {};
+        }
+        std::vector<std::uint16_t> cells(size.x * size.y * size.z, 0);
+        tree.for_each([&](ivec3 cell, std::uint16_t palette) {
+            cells[std::size_t(cell.x) + size.x * (std::size_t(cell.y) + size.y * std::size_t(cell.z))] = palette;
+        });
+        return cells;
     }
 
     OrderedJson object_value(const Object& object) {

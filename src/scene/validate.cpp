@@ -60,11 +60,7 @@ Fault mesh_fault(const MeshGeometry& mesh) {
 }
 
 Fault voxels_fault(const VoxelGeometry& voxels) {
-    const ivec3 size = voxels.size;
-    if (size.x < 1 || size.y < 1 || size.z < 1) return "has no voxels: its size must be at least 1 along each axis";
-    const std::size_t count = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
-    if (voxels.cells.size() != count)
-        return "has " + std::to_string(voxels.cells.size()) + " cells; its size needs " + std::to_string(count);
+    if (!voxels.tree) return "has no voxels";
     return {};
 }
 
@@ -144,7 +140,7 @@ std::uint32_t slot_count(const Geometry& geometry) {
     if (const auto* mesh = std::get_if<MeshGeometry>(&geometry.data))
         return mesh->slots.empty() ? 1 : *std::max_element(mesh->slots.begin(), mesh->slots.end()) + 1;
     if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data))
-        return voxels->cells.empty() ? 0 : *std::max_element(voxels->cells.begin(), voxels->cells.end());
+        return voxels->tree ? voxels->tree->palette_maximum() : 0;
     return std::holds_alternative<VolumeGeometry>(geometry.data) ? 0 : 1;
 }
 

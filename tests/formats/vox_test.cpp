@@ -65,13 +65,10 @@ class Vox : public FileTest {
 std::vector<std::array<int, 3>> centers(const Scene& scene, const Object& object) {
     const auto& voxels = std::get<VoxelGeometry>(scene.geometries[std::size_t(object.geometry)].data);
     std::vector<std::array<int, 3>> result;
-    for (int k = 0; k < voxels.size.z; ++k)
-        for (int j = 0; j < voxels.size.y; ++j)
-            for (int i = 0; i < voxels.size.x; ++i) {
-                if (!voxels.cells[std::size_t(i + voxels.size.x * (j + voxels.size.y * k))]) continue;
-                const vec3 p = object.transform * vec4(float(i) + 0.5f, float(j) + 0.5f, float(k) + 0.5f, 1.0f);
-                result.push_back({int(std::round(2 * p.x)), int(std::round(2 * p.y)), int(std::round(2 * p.z))});
-            }
+    voxels.tree->for_each([&](ivec3 cell, std::uint16_t) {
+        const vec3 p = object.transform * vec4(vec3(cell) + 0.5f, 1.0f);
+        result.push_back({int(std::round(2 * p.x)), int(std::round(2 * p.y)), int(std::round(2 * p.z))});
+    });
     std::sort(result.begin(), result.end());
     return result;
 }
@@ -176,7 +173,7 @@ TEST_F(Vox, frames_of_an_animation_are_not_piled_up) {
     const Result<Scene> scene = load(pack + model({1, 1, 1}, {{0, 0, 0, 1}}) + model({2, 1, 1}, {{0, 0, 0, 1}}));
     ASSERT_TRUE(scene);
     EXPECT_EQ(scene->objects.size(), 1u);
-    EXPECT_EQ(std::get<VoxelGeometry>(scene->geometries[0].data).size.x, 1);
+    EXPECT_EQ(std::get<VoxelGeometry>(scene->geometries[0].data).tree->size().x, 1);
 }
 
 TEST_F(Vox, empty_models_are_skipped_and_a_file_of_nothing_is_refused) {
@@ -341,10 +338,8 @@ TEST_F(Vox, reads_real_files) {
         EXPECT_EQ(scene->objects.size(), c.objects) << c.file;
         EXPECT_EQ(scene->geometries.size(), c.geometries) << c.file;
         std::size_t voxels = 0;
-        for (const Geometry& geometry : scene->geometries) {
-            const auto& cells = std::get<VoxelGeometry>(geometry.data).cells;
-            voxels += cells.size() - std::size_t(std::count(cells.begin(), cells.end(), 0));
-        }
+        for (const Geometry& geometry : scene->geometries)
+            voxels += std::get<VoxelGeometry>(geometry.data).tree->voxel_count();
         EXPECT_EQ(voxels, c.voxels) << c.file;
     }
 }

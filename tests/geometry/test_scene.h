@@ -28,6 +28,13 @@ inline mat4x3 affine(const glm::mat3& linear, vec3 translation) {
     return mat4x3(linear[0], linear[1], linear[2], translation);
 }
 
+// All cells, x fastest.
+inline VoxelGeometry voxels_of(ivec3 size, const std::vector<std::uint16_t>& cells) {
+    Result<VoxelTreePointer> tree = build_voxel_tree(size, cells);
+    if (!tree) throw std::runtime_error(tree.error().message);
+    return {*tree};
+}
+
 class TestScene {
   public:
     // Each returns the geometry's index among its kind.

@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/test_scene.h"
+
 namespace spinel {
 namespace {
 
 TEST(VoxelBuilder, four_cells_to_a_word_little_end_first) {
-    VoxelGeometry voxels;
-    voxels.size = {3, 2, 1};
-    voxels.cells = {1, 2, 3, 4, 5, 200};
-    const auto built = build_voxels(voxels);
+    const auto built = build_voxels(test::voxels_of({3, 2, 1}, {1, 2, 3, 4, 5, 200}));
     ASSERT_TRUE(built);
     EXPECT_EQ(built->words, (std::vector<std::uint32_t>{0x04030201u, 0x0000c805u}));
     EXPECT_EQ(built->grid.size, ivec3(3, 2, 1));
@@ -17,20 +16,13 @@ TEST(VoxelBuilder, four_cells_to_a_word_little_end_first) {
     EXPECT_EQ(built->slot_count, 200u);
 }
 
-TEST(VoxelBuilder, bad_grids_are_refused) {
-    const auto error_of = [](ivec3 size, std::size_t cells) {
-        VoxelGeometry voxels;
-        voxels.size = size;
-        voxels.cells.resize(cells);
-        const auto built = build_voxels(voxels);
-        return built ? std::string() : built.error().message;
-    };
-    EXPECT_EQ(error_of({0, 1, 1}, 0), "voxel grid has size 0×1×1; every edge must be at least 1");
-    EXPECT_EQ(error_of({2, -1, 1}, 0), "voxel grid has size 2×-1×1; every edge must be at least 1");
-    EXPECT_EQ(error_of({2, 2, 2}, 7), "voxel grid of size 2×2×2 has 7 cells instead of 8");
-    EXPECT_EQ(error_of({2048, 2048, 1024}, 1),
+TEST(VoxelBuilder, what_does_not_fit_is_refused) {
+    const auto tree = build_voxel_tree({2048, 2048, 1024}, {{{0, 0, 0}, 1}});
+    ASSERT_TRUE(tree);
+    EXPECT_EQ(build_voxels({*tree}).error().message,
               "voxel grid of size 2048×2048×1024 is too large: at most 715827882 cells");
-    EXPECT_NE(error_of(ivec3(0x7fffffff), 1), "");
+    EXPECT_EQ(build_voxels(test::voxels_of({1, 1, 1}, {256})).error().message,
+              "voxel grid has palette index 256; at most 255 is allowed");
 }
 
 }  // namespace

@@ -147,10 +147,9 @@ TEST(Walk, equals_the_naive_twin_on_instances_of_every_kind) {
     Random random(4);
     TestScene parts;
     const std::uint32_t mesh = parts.add(icosphere(2));
-    VoxelGeometry voxels;
-    voxels.size = {5, 4, 3};
-    for (int i = 0; i < 60; ++i) voxels.cells.push_back(std::uint8_t(random.below(3)));
-    const std::uint32_t grid = parts.add(voxels);
+    std::vector<std::uint16_t> cells;
+    for (int i = 0; i < 60; ++i) cells.push_back(std::uint16_t(random.below(3)));
+    const std::uint32_t grid = parts.add(voxels_of({5, 4, 3}, cells));
     const std::uint32_t sdf = parts.add_sdf_sphere(0.8f);
     const auto transform = [&](float place) {
         const glm::mat3 linear(random.in_cube(), random.in_cube(), random.in_cube());

@@ -16,12 +16,13 @@ constexpr std::uint32_t GLASS = 0, WATER = 1;
 // nothing at all.
 const std::vector<kernels::Slot> SLOTS = {{0, NO}, {1, GLASS}, {2, GLASS}, {3, WATER}, {NO, 2}, {NO, NO}};
 
-struct Grid3 : VoxelGeometry {
-    explicit Grid3(ivec3 s) {
-        size = s;
-        cells.assign(std::size_t(s.x) * std::size_t(s.y) * std::size_t(s.z), 0);
-    }
-    std::uint8_t& at(int x, int y, int z) { return cells[std::size_t(x + size.x * (y + size.y * z))]; }
+struct Grid3 {
+    explicit Grid3(ivec3 s) : size(s), cells(std::size_t(s.x) * std::size_t(s.y) * std::size_t(s.z), 0) {}
+    std::uint16_t& at(int x, int y, int z) { return cells[std::size_t(x + size.x * (y + size.y * z))]; }
+    operator VoxelGeometry() const { return voxels_of(size, cells); }
+
+    ivec3 size;
+    std::vector<std::uint16_t> cells;
 };
 
 Hit closest(const kernels::SceneView& scene, const kernels::Ray& r) {
@@ -46,7 +47,7 @@ std::vector<Hit> all_hits(const kernels::SceneView& scene, kernels::Ray r) {
 TEST(VoxelWalk, a_block_of_glass_of_several_palette_entries_has_no_inner_faces) {
     Grid3 grid({6, 6, 6});
     Random random(1);
-    for (std::uint8_t& cell : grid.cells) cell = std::uint8_t(2 + random.below(2));
+    for (std::uint16_t& cell : grid.cells) cell = std::uint16_t(2 + random.below(2));
     TestScene parts;
     parts.add(grid);
     parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);
@@ -135,7 +136,7 @@ TEST(VoxelWalk, equals_the_naive_twin) {
     for (int round = 0; round < 40; ++round) {
         Grid3 grid(ivec3(1 + random.below(12), 1 + random.below(12), 1 + random.below(12)));
         const std::uint32_t density = 1 + random.below(10);
-        for (std::uint8_t& cell : grid.cells) cell = random.below(10) < density ? std::uint8_t(random.below(7)) : 0;
+        for (std::uint16_t& cell : grid.cells) cell = random.below(10) < density ? std::uint16_t(random.below(7)) : 0;
         TestScene parts;
         parts.add(grid);
         parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);

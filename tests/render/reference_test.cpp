@@ -45,9 +45,7 @@ TEST(Reference, triangles_voxels_and_implicit_surfaces_under_a_transform) {
     EXPECT_DOUBLE_EQ(hit.t, 12);
     EXPECT_EQ(hit.hit.uv, vec2(0.25f, 0.25f));
 
-    VoxelGeometry voxels;
-    voxels.size = {1, 1, 3};
-    voxels.cells = {0, 1, 1};
+    const VoxelGeometry voxels = voxels_of({1, 1, 3}, {0, 1, 1});
     TestScene grid;
     grid.place(kernels::GEOMETRY_VOXELS, grid.add(voxels), doubled);
     EXPECT_DOUBLE_EQ(distance(grid, forward), 12);

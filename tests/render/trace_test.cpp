@@ -19,9 +19,7 @@ TestScene everything() {
     TestScene parts;
     const auto at = [](float x) { return affine(glm::mat3(1), vec3(x, 0, 0)); };
     parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(2)), at(-6), {{0, NO}});
-    VoxelGeometry voxels;
-    voxels.size = {2, 2, 2};
-    voxels.cells = {1, 0, 2, 1, 0, 2, 2, 1};
+    const VoxelGeometry voxels = voxels_of({2, 2, 2}, {1, 0, 2, 1, 0, 2, 2, 1});
     parts.place(kernels::GEOMETRY_VOXELS, parts.add(voxels), at(-3), {{1, NO}, {2, 0}});
     parts.place(kernels::GEOMETRY_SDF, parts.add_sdf_sphere(0.9f), at(0), {{3, NO}});
     parts.place(kernels::GEOMETRY_SPHERE, 0, at(3), {{4, NO}});
@@ -125,9 +123,7 @@ TEST(TraceRays, interfaces_without_a_material_let_rays_pass) {
     parts.place(kernels::GEOMETRY_BOX, 0, mat4x3(1), {{NO, 0}}, through);  // smoke …
     parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(1)), affine(glm::mat3(2), vec3(0)), {{NO, 0}}, through);
     parts.place(kernels::GEOMETRY_SPHERE, 0, affine(glm::mat3(0.5f), vec3(0)), {{3, NO}});  // … around a ball
-    VoxelGeometry fog;
-    fog.size = {3, 1, 1};
-    fog.cells = {1, 2, 1};
+    const VoxelGeometry fog = voxels_of({3, 1, 1}, {1, 2, 1});
     parts.place(kernels::GEOMETRY_VOXELS, parts.add(fog), affine(glm::mat3(1), vec3(0, 4, 0)), {{NO, 0}, {7, 1}},
                 through);
     const std::vector<TraceRay> rays = {{vec3(0, 0, -5), 0, vec3(0, 0, 1), INF},

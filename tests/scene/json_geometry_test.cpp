@@ -62,13 +62,16 @@ TEST(JsonGeometry, a_mesh_that_is_wrong) {
 }
 
 TEST(JsonGeometry, voxels_as_cells) {
-    const auto voxels = read<VoxelGeometry>("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 255, 3]}");
-    EXPECT_EQ(voxels.size, ivec3(2, 1, 2));
-    EXPECT_EQ(voxels.cells, (std::vector<std::uint8_t>{0, 1, 255, 3}));
-    EXPECT_EQ(message("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 256, 3]}"),
-              "a.json:2:60: \"cells\" of geometry \"g\" is 256; allowed: 0 … 255");
+    const auto voxels = read<VoxelGeometry>("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 65535, 3]}");
+    EXPECT_EQ(voxels.tree->size(), ivec3(2, 1, 2));
+    EXPECT_EQ(voxels.tree->voxel_count(), 3u);
+    EXPECT_EQ(voxels.tree->at({1, 0, 0}), 1);
+    EXPECT_EQ(voxels.tree->at({0, 0, 1}), 65535);
+    EXPECT_EQ(voxels.tree->at({1, 0, 1}), 3);
+    EXPECT_EQ(message("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 65536, 3]}"),
+              "a.json:2:60: \"cells\" of geometry \"g\" is 65536; allowed: 0 … 65535");
     EXPECT_EQ(message("{\"type\": \"voxels\", \"size\": [2, 1, 2], \"cells\": [0, 1, 2]}"),
-              "a.json:2:6: geometry \"g\" has 3 cells; its size needs 4");
+              "a.json:2:6: geometry \"g\": voxel set of size 2×1×2 has 3 cells instead of 4");
     EXPECT_EQ(message("{\"type\": \"voxels\"}"),
               "a.json:2:6: geometry \"g\" needs \"size\" with \"cells\" (or \"layers\" or \"file\")");
 }
@@ -76,8 +79,8 @@ TEST(JsonGeometry, voxels_as_cells) {
 TEST(JsonGeometry, voxels_as_layers_from_the_bottom_up) {
     // Two layers of two rows along z, three cells along x.
     const auto voxels = read<VoxelGeometry>(R"({"type": "voxels", "layers": [["12.", "3 9"], ["az.", "..1"]]})");
-    ASSERT_EQ(voxels.size, ivec3(3, 2, 2));
-    const auto cell = [&](int i, int j, int k) { return int(voxels.cells.at(std::size_t(i + 3 * (j + 2 * k)))); };
+    ASSERT_EQ(voxels.tree->size(), ivec3(3, 2, 2));
+    const auto cell = [&](int i, int j, int k) { return int(voxels.tree->at({i, j, k})); };
     EXPECT_EQ(cell(0, 0, 0), 1);
     EXPECT_EQ(cell(1, 0, 0), 2);
     EXPECT_EQ(cell(2, 0, 0), 0);

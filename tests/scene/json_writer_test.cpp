@@ -82,7 +82,10 @@ TEST(JsonWriter, a_scene_reads_back_as_it_was_written) {
     EXPECT_EQ(mesh.tangents, mesh_before.tangents);
     EXPECT_EQ(mesh.colors, mesh_before.colors);
     EXPECT_EQ(mesh.slots, mesh_before.slots);
-    EXPECT_EQ(std::get<VoxelGeometry>(second.geometries.at(1).data).cells, (std::vector<std::uint8_t>{1, 0, 2}));
+    const VoxelTree& voxels = *std::get<VoxelGeometry>(second.geometries.at(1).data).tree;
+    EXPECT_EQ(voxels.voxel_count(), 2u);
+    EXPECT_EQ(voxels.at({0, 0, 0}), 1);
+    EXPECT_EQ(voxels.at({2, 0, 0}), 2);
     EXPECT_EQ(second.grids.at(0).values, first.grids.at(0).values);
     EXPECT_EQ(second.grids[0].index_to_local, mat4x3(0.5f, 0, 0, 0, 0.25f, 0, 0, 0, 1, 1, 0, 0));
     EXPECT_EQ(second.grids[0].filter, Filter::nearest);

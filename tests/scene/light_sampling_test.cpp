@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "geometry/test_scene.h"
 #include "image/pixels.h"
 #include "kernels/camera.h"
 #include "kernels/materials.h"
@@ -47,9 +48,7 @@ std::vector<std::pair<std::string, Scene>> scenes() {
     mesh.positions = {vec3(-1, 1, -1), vec3(1, 1.2f, -1), vec3(1, 0.8f, 1), vec3(-1, 1.5f, 1)};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     list.emplace_back("mesh", scene_with({"g", mesh}, vec3(0.2f, 0, 0)));
-    VoxelGeometry voxels;
-    voxels.size = ivec3(2, 1, 2);
-    voxels.cells = {1, 0, 1, 1};
+    const VoxelGeometry voxels = test::voxels_of({2, 1, 2}, {1, 0, 1, 1});
     list.emplace_back("voxels", scene_with({"g", voxels}, vec3(-2.5f, -2, -3)));
     Scene disc;
     disc.lights.push_back({"sun", DirectionalLight{vec3(0.3f, -1, 0.2f), vec3(1), 25}});

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "geometry/test_scene.h"
 #include "image/pixels.h"
 
 namespace spinel {
@@ -38,7 +39,7 @@ Scene valid_scene() {
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.triangles = {{0, 1, 2}};
     scene.geometries.push_back({"mesh", mesh});
-    scene.geometries.push_back({"voxels", VoxelGeometry{{1, 1, 1}, {2}}});
+    scene.geometries.push_back({"voxels", test::voxels_of({1, 1, 1}, {2})});
     scene.geometries.push_back({"volume", VolumeGeometry{0}});
     scene.geometries.push_back({"sdf", SdfGeometry{{"sphere", {1}, {}}, std::nullopt}});
     scene.geometries.push_back({"ball", SphereGeometry{}});
@@ -118,8 +119,7 @@ TEST(Validate, each_fault_is_a_sentence_that_names_the_thing) {
              geometry<MeshGeometry>(s, mesh).normals.push_back({0, 0, 1});
          }},
         {"geometry \"mesh\" has no triangles", [](Scene& s) { geometry<MeshGeometry>(s, mesh).triangles.clear(); }},
-        {"geometry \"voxels\" has 1 cells; its size needs 2",
-         [](Scene& s) { geometry<VoxelGeometry>(s, voxels).size.x = 2; }},
+        {"geometry \"voxels\" has no voxels", [](Scene& s) { geometry<VoxelGeometry>(s, voxels).tree = nullptr; }},
         {"geometry \"volume\" refers to a grid that is not there",
          [](Scene& s) { geometry<VolumeGeometry>(s, volume).grid = -1; }},
         {"geometry \"sdf\" has no expression", [](Scene& s) { geometry<SdfGeometry>(s, sdf).root.op.clear(); }},
@@ -144,7 +144,7 @@ TEST(Validate, each_fault_is_a_sentence_that_names_the_thing) {
          [](Scene& s) { s.objects[mesh].transform[0] = vec3(0); }},
         {"object \"voxels\" has 3 materials, but its geometry uses 4 slots",
          [](Scene& s) {
-             geometry<VoxelGeometry>(s, voxels).cells = {4};
+             geometry<VoxelGeometry>(s, voxels) = test::voxels_of({1, 1, 1}, {4});
              s.objects[voxels].materials = {0, 0, 0};
          }},
         {"object \"volume\" is a volume without an interior medium", [](Scene& s) { s.objects[volume].interior = -1; }},

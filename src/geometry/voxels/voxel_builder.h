@@ -15,10 +15,7 @@ struct VoxelData {
     std::uint32_t slot_count = 0;      // the largest palette index: so many material slots does an instance need
 };
 
-// Every edge at least 1, at most (2³² − 4) / 6 cells in all, and as many cells as the size says.
-Result<void> validate_voxels(const VoxelGeometry& voxels);
-
-// Validates first.
+// An error where the dense words of a set would be too many, or a palette index does not fit a byte.
 Result<VoxelData> build_voxels(const VoxelGeometry& voxels);
 
 }  // namespace spinel
