@@ -7,7 +7,8 @@ const float PI = 3.14159265358979323846f;
 const float INV_PI = 0.31830988618379067154f;
 const float INFINITE = 3.0e38f;               // "no hit": finite, since infinities are not portable between devices
 const float ONE_MINUS_EPSILON = 0.99999994f;  // the largest float below 1
-const uint NONE = 0xffffffffu;                // no index
+const float ROUNDING_ERROR = 9.5367432e-7f;  // of a position, relative to its largest term: 2⁻²⁰, 16 units of rounding
+const uint NONE = 0xffffffffu;               // no index
 
 FN float luminance(vec3 c) { return dot(c, vec3(0.2126f, 0.7152f, 0.0722f)); }  // Rec.709
 FN float max_component(vec3 v) { return max(v.x, max(v.y, v.z)); }

@@ -8,7 +8,6 @@ KERNELS_BEGIN
 
 const uint TRACE_SOLID = 1u;         // instances that stop light for sure
 const uint TRACE_PASS_THROUGH = 2u;  // instances flagged INSTANCE_PASS_THROUGH
-const uint TRACE_ENCLOSING = 4u;     // instances flagged INSTANCE_ENCLOSES, whatever else they are
 const uint TRACE_ALL = 3u;
 
 // The nearest hit in (t_min, t_max) among the instances that the mask admits.

@@ -34,6 +34,16 @@ FN void inside_enter(inout(Inside) list, uint interior) {
     list.count += 1u;
 }
 
+// The same before the first entry that is greater: a list that is only ever entered so does not depend on the order.
+FN void inside_enter_sorted(inout(Inside) list, uint interior) {
+    uint i = list.count;
+    inside_enter(list, interior);
+    for (; i > 0u && i < list.count && list.entries[i - 1u] > interior; --i) {
+        list.entries[i] = list.entries[i - 1u];
+        list.entries[i - 1u] = interior;
+    }
+}
+
 FN void inside_leave(inout(Inside) list, uint interior) {
     for (uint i = 0u; i < list.count; ++i) {
         if (list.entries[i] == interior) {
@@ -69,24 +79,20 @@ FN float interior_ior(const_in(SceneView) scene, uint interior) {
 }
 
 // The scattering media in force, and what merely absorbs, summed.
-const uint MAX_MEDIA = 4u;
 struct ActiveMedia {
-    uint ids[4];
+    uint ids[8];  // as many as a path can be inside of: MAX_INSIDE
     uint count;
     vec3 absorption;   // of media flagged MEDIUM_ABSORBS_ONLY, attenuated in closed form
     bool homogeneous;  // all of ids: attenuation has a closed form too
     bool emissive;     // any of ids
-    bool overflow;     // more of them than there is room for: counted and reported
 };
 
 FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
     ActiveMedia m;
-    for (uint i = 0u; i < MAX_MEDIA; ++i) m.ids[i] = NONE;
     m.count = 0u;
     m.absorption = vec3(0.0f);
     m.homogeneous = true;
     m.emissive = false;
-    m.overflow = false;
     if (list.count == 0u) return m;
     uint winner = inside_dielectric(scene, list);
     bool winner_taken = false;
@@ -103,13 +109,11 @@ FN ActiveMedia active_media(const_in(SceneView) scene, const_in(Inside) list) {
         RECORD(Medium) medium = scene.media.at[interior.medium];
         if ((medium.flags & MEDIUM_ABSORBS_ONLY) != 0u) {
             m.absorption += medium.absorption;
-        } else if (m.count < MAX_MEDIA) {
+        } else {
             m.ids[m.count] = interior.medium;
             m.count += 1u;
             if (medium.grid != NONE) m.homogeneous = false;
             if (!is_black(medium.emission)) m.emissive = true;
-        } else {
-            m.overflow = true;
         }
     }
     return m;

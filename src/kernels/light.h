@@ -67,11 +67,15 @@ FN LightSample infinite_light(vec3 direction, vec3 radiance, float pdf, bool del
     return LightSample(direction, radiance, pdf, delta, true, vec3(0.0f), vec3(0.0f), 0.0f, 1.0f);
 }
 
+// Bound of a point's error on an emissive surface, or of what is in the same place as it.
+FN float light_error(const_in(SceneView) scene, const_in(Light) light, float magnitude) {
+    return max(magnitude * ROUNDING_ERROR, scene.instances.at[light.instance].contact_error);
+}
+
 // A point on an emissive surface; `opacity` of its material there.
-FN LightSample surface_light(vec3 direction, vec3 radiance, float pdf, vec3 point, vec3 normal, float magnitude,
+FN LightSample surface_light(vec3 direction, vec3 radiance, float pdf, vec3 point, vec3 normal, float error,
                              float opacity) {
-    return LightSample(direction, radiance * opacity, pdf, false, false, point, normal, magnitude * 9.5367432e-7f,
-                       opacity);
+    return LightSample(direction, radiance * opacity, pdf, false, false, point, normal, error, opacity);
 }
 
 FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from, vec2 u) {
@@ -106,7 +110,7 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
         float d2 = dot(to, to);
         vec3 radiance = scene.materials.at[light.material].emission;
         float opacity = scene.materials.at[light.material].opacity;
-        float magnitude = max_component(abs(light.position)) + light.radius;
+        float error = light_error(scene, light, max_component(abs(light.position)) + light.radius);
         if (d2 <= sqr(light.radius) * 1.00001f) {  // from inside: uniform over the surface
             if (light.two_sided == 0u) return no_light();
             vec3 n = square_to_sphere(u);
@@ -117,7 +121,7 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
             float cosine = abs(dot(direction, n));
             if (cosine <= 0.0f) return no_light();
             return surface_light(direction, radiance, p * l2 / (cosine * light.area), light.position + light.radius * n,
-                                 n, magnitude, opacity);
+                                 n, error, opacity);
         }
         float k = sphere_one_minus_cos(light.radius, d2);
         vec3 direction = cone_direction(to / sqrt(d2), k, u);
@@ -125,7 +129,7 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
         float b = dot(to, direction);
         float disc = sqr(light.radius) - max(d2 - b * b, 0.0f);
         vec3 n = normalize((b - safe_sqrt(disc)) * direction - to);
-        return surface_light(direction, radiance, p / (2.0f * PI * k), light.position + light.radius * n, n, magnitude,
+        return surface_light(direction, radiance, p / (2.0f * PI * k), light.position + light.radius * n, n, error,
                              opacity);
     }
     // Flat emitters, uniform over the area.
@@ -139,10 +143,10 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
     float cosine = -dot(direction, light.direction);
     if (light.two_sided != 0u) cosine = abs(cosine);
     if (!(cosine > 1.0e-6f)) return no_light();
-    float magnitude = max_component(abs(light.position) + abs(light.u) + abs(light.v));
+    float error = light_error(scene, light, max_component(abs(light.position) + abs(light.u) + abs(light.v)));
     vec2 uv = light_uv(scene, light, b);
     return surface_light(direction, material_emission(scene, light.material, uv), p * d2 / (cosine * light.area), point,
-                         light.direction, magnitude, material_opacity(scene, light.material, uv));
+                         light.direction, error, material_opacity(scene, light.material, uv));
 }
 
 // u_light and u_keep are independent: what u_light leaves below its index has too few bits where lights are many.

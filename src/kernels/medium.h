@@ -133,7 +133,7 @@ FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_
 
 // All active media side by side: from t to t_next their extinction is bounded by `majorant`.
 struct MediaWalk {
-    MajorantWalk walks[4];
+    MajorantWalk walks[8];  // of ActiveMedia::ids
     vec3 majorant;
     float t;
     float t_next;
@@ -249,7 +249,7 @@ struct MediumEvent {
 // updated for either; a collision multiplies by σs, so that absorption never ends a path by chance.
 FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction,
                             float t_max, inout(SpectralWeights) w, inout(Rng) rng) {
-    MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f), media.overflow);
+    MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f), false);
     if (media.count == 0u) {
         if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
         return event;
@@ -258,8 +258,8 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
         event.emitted = homogeneous_emission(scene, media, t_max) * w.throughput / average(w.r_path);
     MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
     float t = 0.0f;
-    event.bound_reached = true;  // unless the loop ends of itself
-    for (uint iteration = 0u; iteration < MAX_MEDIUM_STEPS; ++iteration) {
+    uint iteration = 0u;
+    for (; iteration < MAX_MEDIUM_STEPS; ++iteration) {
         float bound = component(walk.majorant, w.hero);
         float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
         if (!(t + step < walk.t_next)) {  // no collision up to the end of the cell
@@ -270,10 +270,7 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
                 w.r_light *= media.homogeneous ? vec3(exp(bound * (walk.t_next - t))) : passed;
             }
             t = walk.t_next;
-            if (t >= t_max) {
-                event.bound_reached = media.overflow;
-                break;
-            }
+            if (t >= t_max) break;
             media_walk_advance(scene, media, t_max, walk);
             continue;
         }
@@ -295,20 +292,19 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
             event.scattered = true;
             event.t = t;
             event.medium = pick.medium;
-            event.bound_reached = media.overflow;
             break;
         }
         vec3 null_collision = walk.majorant - extinction;
         float p = bound - component(extinction, w.hero);
         if (!(p > 0.0f)) {
             w.throughput = vec3(0.0f);
-            event.bound_reached = media.overflow;
             break;
         }
         w.throughput *= passed * null_collision / p;
         w.r_path *= passed * null_collision / p;
         w.r_light *= passed * walk.majorant / p;
     }
+    event.bound_reached = iteration >= MAX_MEDIUM_STEPS;
     if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * event.t);
     return event;
 }
@@ -329,7 +325,7 @@ FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
         vec3 transmittance = exp(-extinction * t_max);
         w.throughput *= transmittance;
         w.r_path *= transmittance;
-        return media.overflow;
+        return false;
     }
     MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
     float t = 0.0f;
@@ -344,7 +340,7 @@ FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
                 w.r_light *= passed;
             }
             t = walk.t_next;
-            if (t >= t_max) return media.overflow;
+            if (t >= t_max) return false;
             media_walk_advance(scene, media, t_max, walk);
             continue;
         }
@@ -355,13 +351,13 @@ FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
         w.throughput *= passed * null_collision / bound;
         w.r_path *= passed * null_collision / bound;
         w.r_light *= passed * walk.majorant / bound;
-        if (is_black(w.throughput)) return media.overflow;
+        if (is_black(w.throughput)) return false;
         // Russian roulette on what is left keeps dense clouds cheap.
         float left = max_component(w.throughput) / average(w.r_path + w.r_light);
         if (left < 0.05f) {
             if (rng_1d(rng) < 0.75f) {
                 w.throughput = vec3(0.0f);
-                return media.overflow;
+                return false;
             }
             w.throughput *= 4.0f;
         }

@@ -11,6 +11,7 @@
 // Unidirectional path tracing with next-event estimation and multiple importance sampling (Veach 1997, balance
 // heuristic in the one-sample form of Miller, Georgiev, Jarosz 2019 so that volumes and colour channels join in; see
 // medium.h).
+#include "boundary.h"
 #include "camera.h"
 #include "device.h"
 #include "locate.h"
@@ -221,15 +222,12 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         return c;
     }
     Surface s = surface_at(scene, state.ray, hit);
-    // Interiors behind the surface. One that is left but was never entered (an open mesh seen from behind) is taken as
-    // if it had been.
+    float opacity = surface_opacity(scene, s);
     float n_ratio = 1.0f;
     Inside after = state.inside;
-    if (s.leaves != NONE || s.enters != NONE) {
-        if (s.leaves != NONE && !inside_contains(state.inside, s.leaves)) inside_enter(state.inside, s.leaves);
-        after = state.inside;
-        inside_leave(after, s.leaves);
-        inside_enter(after, s.enters);
+    if (s.leaves != NONE || s.enters != NONE || (s.contact && opacity < 1.0f)) {
+        after = cross_boundary(scene, state.ray.direction, TRACE_ALL, s, state.inside);
+        if (s.contact) opacity = surface_opacity(scene, s);
         if (after.dropped > 0u) state.flags |= PATH_BOUND_REACHED;
         uint from = inside_dielectric(scene, state.inside);
         uint to = inside_dielectric(scene, after);
@@ -242,7 +240,6 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         }
         n_ratio = interior_ior(scene, to) / interior_ior(scene, from);
     }
-    float opacity = surface_opacity(scene, s);
     if (opacity < 1.0f && (opacity <= 0.0f || rng_1d(state.rng) >= opacity)) {
         state.weights.r_light /= 1.0f - opacity;  // a shadow ray multiplies by this instead of trying its luck
         state.inside = after;
@@ -336,12 +333,12 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
                 continue;
             }
             Surface s = surface_at(scene, ray, hit);
+            Inside behind = cross_boundary(scene, direction, TRACE_PASS_THROUGH, s, c.inside);
+            c.inside = behind;
             float clear = 1.0f - surface_opacity(scene, s);
             if (!(clear > 0.0f)) return vec3(0.0f);
             w.throughput *= clear;
             w.r_path *= clear;
-            inside_leave(c.inside, s.leaves);
-            inside_enter(c.inside, s.enters);
             vec3 end = ray_at(ray, ray.t_max);
             ray.origin = leave_surface(scene, s, direction);
             if (ray.t_max != INFINITE) {

@@ -108,6 +108,10 @@ struct Instance {
     uint light_count;
     uint flags;   // INSTANCE_…
     uint object;  // the user's object, for AOVs
+    // Where its surface may lie in the same place as that of another instance, in world space.
+    vec3 contact_lower;
+    vec3 contact_upper;
+    float contact_error;  // bound of the rounding error of either's position there; 0: there is no such place
 };
 BUFFER(Instances, Instance)
 

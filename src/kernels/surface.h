@@ -23,9 +23,17 @@ struct Surface {
     uint leaves;    // interiors on the side the ray comes from and goes to, as far as this surface decides them
     uint enters;
     bool entering;  // the ray runs against the outward normal
+    bool contact;   // another surface may be in the same place: see boundary.h
     uint instance;
     uint light_key;  // for light_of_primitive
 };
+
+FN bool in_contact(const_in(Instance) instance, vec3 p) {
+    vec3 l = instance.contact_lower;
+    vec3 u = instance.contact_upper;
+    return instance.contact_error > 0.0f && p.x >= l.x && p.y >= l.y && p.z >= l.z && p.x <= u.x && p.y <= u.y &&
+           p.z <= u.z;
+}
 
 FN vec3 rotate_normal(const_in(Instance) instance, vec3 n) { return n * mat3(instance.world_to_object); }
 
@@ -134,7 +142,9 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     vec3 column_sum = abs(linear[0]) + abs(linear[1]) + abs(linear[2]);
     float magnitude = max(max_component(column_sum) * extent + max_component(abs(instance.object_to_world[3])),
                           max_component(abs(s.position)));
-    s.error = magnitude * 9.5367432e-7f;  // 2⁻²⁰: eight units of rounding of the largest term
+    s.error = magnitude * ROUNDING_ERROR;
+    s.contact = in_contact(instance, s.position);
+    if (s.contact) s.error = max(s.error, instance.contact_error);
 
     s.entering = dot(local_direction, outward) < 0.0f;
     s.geometric_normal = normalize_any(rotate_normal(instance, normalize_any(outward)));

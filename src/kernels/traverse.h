@@ -14,9 +14,8 @@
 KERNELS_BEGIN
 
 FN bool instance_admitted(uint flags, uint mask) {
-    uint kinds = (flags & INSTANCE_PASS_THROUGH) != 0u ? TRACE_PASS_THROUGH : TRACE_SOLID;
-    if ((flags & INSTANCE_ENCLOSES) != 0u) kinds |= TRACE_ENCLOSING;
-    return (kinds & mask) != 0u;
+    uint kind = (flags & INSTANCE_PASS_THROUGH) != 0u ? TRACE_PASS_THROUGH : TRACE_SOLID;
+    return (kind & mask) != 0u;
 }
 
 FN Ray ray_to_local(const_in(Instance) instance, Ray ray) {
@@ -143,6 +142,66 @@ FN bool walk_any(const_in(SceneView) scene, Ray ray, uint mask) {
         entry = stack.entry[stack_size];
     }
     return false;
+}
+
+// The instances whose bounds a ray meets, one after the other, in no order that means anything: for questions that
+// every one of them has to answer, where the nearest would hide the others.
+struct InstanceWalk {
+    SlabRay slab;
+    float t_max;
+    BvhStack stack;
+    uint stack_size;
+    uint next;  // into instance_order …
+    uint end;   // … up to here before the stack is asked again
+    bool bounded_done;
+};
+
+FN InstanceWalk walk_instances(const_in(SceneView) scene, Ray ray) {
+    InstanceWalk walk;
+    walk.slab = slab_ray(ray);
+    walk.t_max = ray.t_max;
+    walk.stack_size = 0u;
+    walk.next = 0u;
+    walk.end = 0u;
+    walk.bounded_done = false;
+    if (scene.bounded_count > 0u) {
+        walk.stack.entry[0] = bvh_entry(scene.instance_nodes.at[0]);
+        walk.stack_size = 1u;
+    }
+    return walk;
+}
+
+// NONE: that was the last.
+FN uint next_instance(const_in(SceneView) scene, inout(InstanceWalk) walk) {
+    while (walk.next >= walk.end && walk.stack_size > 0u) {
+        --walk.stack_size;
+        uint entry = walk.stack.entry[walk.stack_size];
+        uint first = bvh_entry_first(entry);
+        uint count = bvh_entry_count(entry);
+        if (count > 0u) {
+            walk.next = first;
+            walk.end = first + count;
+            continue;
+        }
+        BvhSiblings siblings = bvh_siblings(scene.instance_nodes, first, walk.slab, walk.t_max);
+        if (siblings.enter_farther < INFINITE) {
+            walk.stack.entry[walk.stack_size] = siblings.farther;
+            ++walk.stack_size;
+        }
+        if (siblings.enter_nearer < INFINITE) {
+            walk.stack.entry[walk.stack_size] = siblings.nearer;
+            ++walk.stack_size;
+        }
+    }
+    if (walk.next >= walk.end && !walk.bounded_done) {
+        walk.bounded_done = true;
+        walk.next = scene.bounded_count;
+        walk.end = scene.bounded_count + scene.unbounded_count;
+    }
+    if (walk.next >= walk.end) return NONE;
+    uint instance = scene.instance_order.at[walk.next];
+    ++walk.next;
+    return instance;
 }
 
 #ifndef SPINEL_DEVICE_TRAVERSAL

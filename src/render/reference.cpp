@@ -261,10 +261,7 @@ ReferenceHit reference_hit(const SceneView& scene, const kernels::Ray& ray, kern
     for (std::uint32_t i = 0; i < scene.instance_count; ++i) {
         const kernels::Instance& instance = scene.instances.at[i];
         const bool pass_through = (instance.flags & kernels::INSTANCE_PASS_THROUGH) != 0;
-        const bool encloses = (instance.flags & kernels::INSTANCE_ENCLOSES) != 0;
-        const kernels::uint kinds = (pass_through ? kernels::TRACE_PASS_THROUGH : kernels::TRACE_SOLID) |
-                                    (encloses ? kernels::TRACE_ENCLOSING : 0u);
-        if (!(mask & kinds)) continue;
+        if (!(mask & (pass_through ? kernels::TRACE_PASS_THROUGH : kernels::TRACE_SOLID))) continue;
         const glm::dmat4x3 to_local(instance.world_to_object);
         const LocalRay local{to_local * glm::dvec4(ray.origin, 1), to_local * glm::dvec4(ray.direction, 0),
                              double(ray.t_min), best.t};

@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "accel/bvh_builder.h"
 #include "scene/compiled_scene.h"
 
 namespace spinel {
@@ -40,6 +41,9 @@ kernels::uint add_medium(Compilation& c, const kernels::Medium& medium);
 kernels::uint add_scene_medium(Compilation& c, int medium, const mat4x3& object_to_world);
 kernels::uint add_interior(Compilation& c, const kernels::Interior& interior);
 
+// compile_contacts.cpp: where surfaces of two instances may lie in the same place; after the top-level BVH is built.
+void find_contacts(Compilation& c);
+
 // compile_environment.cpp: the environment image with its sampling tables, and its light.
 void add_environment(Compilation& c);
 
@@ -50,5 +54,7 @@ void build_light_table(CompiledScene& out);
 
 mat4x3 affine_product(const mat4x3& a, const mat4x3& b);
 mat4x3 affine_inverse(const mat4x3& m);
+// World bounds of a local box under an affine transform (Arvo 1990), padded by rounding.
+Box world_bounds(const mat4x3& m, vec3 lower, vec3 upper);
 
 }  // namespace spinel

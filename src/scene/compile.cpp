@@ -73,6 +73,13 @@ kernels::SceneView CompiledScene::view() const {
     return v;
 }
 
+Box world_bounds(const mat4x3& m, vec3 lower, vec3 upper) {
+    const vec3 center = m * vec4(0.5f * (lower + upper), 1), half = 0.5f * (upper - lower);
+    const vec3 extent = glm::abs(m[0]) * half.x + glm::abs(m[1]) * half.y + glm::abs(m[2]) * half.z;
+    const vec3 pad = 4e-7f * (glm::abs(center) + extent + glm::abs(m[3]));
+    return {center - extent - pad, center + extent + pad};
+}
+
 namespace {
 
 using Shape = Compilation::Shape;
@@ -168,14 +175,6 @@ struct ShapeBuilder {
         return shape;
     }
 };
-
-// World bounds of a local box under an affine transform (Arvo 1990), padded by rounding.
-Box world_bounds(const mat4x3& m, vec3 lower, vec3 upper) {
-    const vec3 center = m * vec4(0.5f * (lower + upper), 1), half = 0.5f * (upper - lower);
-    const vec3 extent = glm::abs(m[0]) * half.x + glm::abs(m[1]) * half.y + glm::abs(m[2]) * half.z;
-    const vec3 pad = 4e-7f * (glm::abs(center) + extent + glm::abs(m[3]));
-    return {center - extent - pad, center + extent + pad};
-}
 
 // Whether every ray that meets the material is stopped by it.
 bool is_solid(const Scene& scene, int material) {
@@ -384,6 +383,7 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
         out.object_names.push_back(scene.objects[i].name);
     }
     build_top_level(c);
+    find_contacts(c);
     add_environment(c);
     out.microfacet_first = uint(out.words.size());
     out.words.insert(out.words.end(), std::begin(kernels::MICROFACET_TABLE), std::end(kernels::MICROFACET_TABLE));

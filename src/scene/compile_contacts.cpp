@@ -1,0 +1,228 @@
+// Where surfaces of two instances may lie in the same place, so that kernels ask for the others there and nowhere else
+// (kernels/boundary.h). A pair counts if one of the two has an inside: between two walls there is nothing to sort out.
+//
+// Everything here is a box in world space that holds more than it must: a contact too many costs a short query for each
+// ray that meets a surface there, one too few a wrong picture.
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/sdf.h"
+#include "scene/compilation.h"
+
+namespace spinel {
+namespace {
+
+using kernels::uint;
+using Shape = Compilation::Shape;
+
+const Box empty_box{vec3(kernels::INFINITE), vec3(-kernels::INFINITE)};
+const Box everywhere{vec3(-1e30f), vec3(1e30f)};
+
+bool is_empty(const Box& b) { return !glm::all(glm::lessThanEqual(b.lower, b.upper)); }
+Box grown(const Box& b, float by) { return {b.lower - by, b.upper + by}; }
+Box intersection(const Box& a, const Box& b) { return {glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}; }
+Box hull(const Box& a, const Box& b) { return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)}; }
+float magnitude(const Box& b) { return kernels::max_component(glm::max(glm::abs(b.lower), glm::abs(b.upper))); }
+
+// Adds what of a piece's bounds lies in the region.
+void add_piece(Box& found, const Box& piece, const Box& region) {
+    const Box part = intersection(piece, region);
+    if (!is_empty(part)) found = hull(found, part);
+}
+
+struct Placed {
+    const kernels::Instance& instance;
+    const Shape& shape;
+};
+
+bool contains(const Box& outer, const Box& inner) {
+    return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) &&
+           glm::all(glm::lessThanEqual(inner.upper, outer.upper));
+}
+
+// Bounds of a mesh's triangles that come near the region.
+Box mesh_within(const CompiledScene& scene, const kernels::Instance& instance, const Box& local, const Box& region) {
+    const kernels::Mesh& mesh = scene.meshes[instance.geometry];
+    const mat4x3& to_world = instance.object_to_world;
+    Box found = empty_box;
+    std::vector<uint> pending{0};
+    while (!pending.empty()) {
+        const kernels::BvhNode& node = scene.nodes[mesh.node_first + pending.back()];
+        pending.pop_back();
+        if (is_empty(intersection({node.lower, node.upper}, local))) continue;
+        // Nothing in here can widen what is found: large meshes take a moment only.
+        if (contains(found, intersection(world_bounds(to_world, node.lower, node.upper), region))) continue;
+        if (node.count == 0) {
+            pending.push_back(node.first);
+            pending.push_back(node.first + 1);
+            continue;
+        }
+        for (uint i = node.first; i < node.first + node.count; ++i) {
+            const kernels::Triangle& t = scene.triangles[mesh.triangle_first + i];
+            Box piece = empty_box;
+            for (const vec3& corner : {t.a, t.b, t.c}) piece = hull(piece, world_bounds(to_world, corner, corner));
+            add_piece(found, piece, region);
+        }
+    }
+    return found;
+}
+
+// Bounds of an instance's surface within a region; empty if there is none.
+Box surface_within(const CompiledScene& scene, const Placed& placed, const Box& region) {
+    const kernels::Instance& instance = placed.instance;
+    // A region may be thinner than the rounding of the way to local space and back.
+    const float pad = kernels::ROUNDING_ERROR *
+                      (magnitude(region) + magnitude({instance.object_to_world[3], instance.object_to_world[3]}));
+    const Box wide = grown(region, pad);
+    const Box local = world_bounds(instance.world_to_object, wide.lower, wide.upper);
+    const mat4x3& to_world = instance.object_to_world;
+    Box found = empty_box;
+    switch (instance.geometry_kind) {
+        case kernels::GEOMETRY_MESH: return mesh_within(scene, instance, local, region);
+        case kernels::GEOMETRY_BOX:
+            for (int face = 0; face < 6; ++face) {
+                vec3 lower(-1), upper(1);
+                lower[face / 2] = upper[face / 2] = face % 2 ? 1.0f : -1.0f;
+                add_piece(found, grown(world_bounds(to_world, lower, upper), pad), region);
+            }
+            return found;
+        case kernels::GEOMETRY_RECTANGLE:
+            add_piece(found, grown(world_bounds(to_world, {-1, 0, -1}, {1, 0, 1}), pad), region);
+            return found;
+        case kernels::GEOMETRY_PLANE: {
+            if (local.lower.y > 0 || local.upper.y < 0) return found;
+            const vec3 lower(local.lower.x, 0, local.lower.z), upper(local.upper.x, 0, local.upper.z);
+            add_piece(found, grown(world_bounds(to_world, lower, upper), pad), region);
+            return found;
+        }
+        case kernels::GEOMETRY_SPHERE: {
+            const vec3 nearest = glm::clamp(vec3(0), local.lower, local.upper);
+            const vec3 farthest = glm::max(glm::abs(local.lower), glm::abs(local.upper));
+            if (glm::length(nearest) > 1.00001f || glm::length(farthest) < 0.99999f) return found;
+            break;
+        }
+        case kernels::GEOMETRY_SDF: {
+            const kernels::Sdf& sdf = scene.sdfs[instance.geometry];
+            const vec3 center = 0.5f * (local.lower + local.upper);
+            const float radius = 0.5f * glm::length(local.upper - local.lower);
+            const bool bounded =
+                glm::all(glm::lessThan(sdf.lower, local.lower)) && glm::all(glm::lessThan(local.upper, sdf.upper));
+            if (bounded && std::abs(kernels::sdf_distance(scene.view(), instance.geometry, center)) >
+                               1.001f * sdf.lipschitz * radius)
+                return found;
+            break;
+        }
+        default: break;
+    }
+    add_piece(found, grown(world_bounds(to_world, placed.shape.lower, placed.shape.upper), pad), region);
+    return found;
+}
+
+// Bound of the rounding error of positions on an instance's surface within a region: that of surface_at().
+float position_error(const Placed& placed, const Box& region) {
+    const mat4x3& m = placed.instance.object_to_world;
+    const vec3 offset = glm::abs(m[3]);
+    float reach = kernels::max_component(offset) + magnitude(region);  // of an endless plane, as far as the region
+    if (placed.shape.bounded) {
+        const vec3 extent = glm::max(glm::abs(placed.shape.lower), glm::abs(placed.shape.upper));
+        const vec3 sum = glm::abs(m[0]) + glm::abs(m[1]) + glm::abs(m[2]);
+        reach = kernels::max_component(sum) * kernels::max_component(extent);
+    }
+    return kernels::ROUNDING_ERROR * (reach + kernels::max_component(offset));
+}
+
+// Two planes that are one, up to rounding.
+bool same_plane(const kernels::Instance& a, const kernels::Instance& b) {
+    const vec3 normal = glm::normalize(vec3(0, 1, 0) * kernels::mat3(a.world_to_object));
+    const vec3 other = glm::normalize(vec3(0, 1, 0) * kernels::mat3(b.world_to_object));
+    const vec3 apart = b.object_to_world[3] - a.object_to_world[3];
+    const float size = glm::length(a.object_to_world[3]) + glm::length(b.object_to_world[3]);
+    return std::abs(glm::dot(normal, other)) > 1 - 1e-6f && std::abs(glm::dot(apart, normal)) <= 1e-5f * size;
+}
+
+struct Finder {
+    Compilation& c;
+    std::vector<Box> bounds = {};  // of bounded instances
+
+    Placed placed(uint i) const { return {c.out.instances[i], c.shapes[std::size_t(c.scene.objects[i].geometry)]}; }
+
+    bool has_inside(uint i) const {
+        const Placed p = placed(i);
+        for (std::size_t s = 0; s < p.shape.slot_count; ++s)
+            if (c.out.slots[p.instance.slot_first + s].interior != kernels::NONE) return true;
+        return false;
+    }
+
+    void add_contact(uint i, const Box& where, float error) {
+        kernels::Instance& instance = c.out.instances[i];
+        const Box all =
+            instance.contact_error > 0 ? hull({instance.contact_lower, instance.contact_upper}, where) : where;
+        instance.contact_lower = all.lower;
+        instance.contact_upper = all.upper;
+        instance.contact_error = std::max(instance.contact_error, error);
+    }
+
+    void meet(uint a, uint b) {
+        const Placed pa = placed(a), pb = placed(b);
+        Box shared = everywhere;
+        if (pa.shape.bounded) shared = intersection(shared, bounds[a]);
+        if (pb.shape.bounded) shared = intersection(shared, bounds[b]);
+        Box where = everywhere;
+        float error = 0;
+        if (pa.shape.bounded || pb.shape.bounded) {
+            // A mesh is asked last, about as little as possible.
+            if (pa.instance.geometry_kind == kernels::GEOMETRY_MESH) std::swap(a, b);
+            error = std::max(position_error(placed(a), shared), position_error(placed(b), shared));
+            where = surface_within(c.out, placed(a), grown(shared, 2 * error));
+            if (!is_empty(where)) where = surface_within(c.out, placed(b), grown(where, 2 * error));
+            if (is_empty(where)) return;
+            where = grown(where, 2 * error);
+        } else if (!same_plane(pa.instance, pb.instance)) {
+            return;
+        }
+        add_contact(a, where, error);
+        add_contact(b, where, error);
+    }
+};
+
+}  // namespace
+
+void find_contacts(Compilation& c) {
+    CompiledScene& out = c.out;
+    Finder finder{c};
+    std::vector<bool> inside;
+    float largest_error = 0;
+    for (uint i = 0; i < out.instances.size(); ++i) {
+        const Placed p = finder.placed(i);
+        inside.push_back(finder.has_inside(i));
+        finder.bounds.push_back(world_bounds(p.instance.object_to_world, p.shape.lower, p.shape.upper));
+        if (p.shape.bounded) largest_error = std::max(largest_error, position_error(p, finder.bounds[i]));
+    }
+    // The other is told only once of a pair in which both have an inside.
+    const auto is_pair = [&](uint a, uint b) { return a != b && inside[a] && (a < b || !inside[b]); };
+    std::vector<uint> pending;
+    for (uint a = 0; a < out.bounded_count; ++a) {
+        const uint i = out.instance_order[a];
+        if (!inside[i]) continue;
+        const Box near = grown(finder.bounds[i], 4 * largest_error);
+        pending.assign(1, 0);
+        while (!pending.empty()) {
+            const kernels::BvhNode& node = out.instance_nodes[pending.back()];
+            pending.pop_back();
+            if (is_empty(intersection({node.lower, node.upper}, near))) continue;
+            if (node.count == 0) {
+                pending.push_back(node.first);
+                pending.push_back(node.first + 1);
+            }
+            for (uint k = node.first; node.count > 0 && k < node.first + node.count; ++k)
+                if (is_pair(i, out.instance_order[k])) finder.meet(i, out.instance_order[k]);
+        }
+    }
+    for (uint p = out.bounded_count; p < out.instance_order.size(); ++p)
+        for (uint k = 0; k < p; ++k) {
+            const uint plane = out.instance_order[p], other = out.instance_order[k];
+            if (inside[plane] || inside[other]) finder.meet(plane, other);
+        }
+}
+
+}  // namespace spinel
