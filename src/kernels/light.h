@@ -36,14 +36,18 @@ FN float material_opacity(const_in(SceneView) scene, uint material, vec2 uv) {
     return t == NONE ? opacity : opacity * texture_at(scene, t, uv).w;
 }
 
+FN vec2 mesh_uv(const_in(SceneView) scene, const_in(Mesh) mesh, uvec3 vertices, vec3 weights) {
+    if (mesh.uv_first == NONE) return vec2(0.0f);
+    uvec3 i = vertices + mesh.uv_first;
+    return mat3x2(scene.uvs.at[i.x], scene.uvs.at[i.y], scene.uvs.at[i.z]) * weights;
+}
+
 // Texture coordinates on a flat emitter; b are barycentric weights or the place on a parallelogram.
 FN vec2 light_uv(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
     if (light.kind != LIGHT_TRIANGLE) return b;
     RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
     uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
-    return (1.0f - b.x - b.y) * scene.attributes.at[mesh.vertex_first + v.x].uv +
-           b.x * scene.attributes.at[mesh.vertex_first + v.y].uv +
-           b.y * scene.attributes.at[mesh.vertex_first + v.z].uv;
+    return mesh_uv(scene, mesh, v, vec3(1.0f - b.x - b.y, b.x, b.y));
 }
 
 // 1 − cos of the half-angle under which a sphere is seen; stable for small and distant spheres.

@@ -21,6 +21,9 @@
 #ifndef GLM_FORCE_XYZW_ONLY
 #define GLM_FORCE_XYZW_ONLY  // no swizzle members: a vec3 stays three floats, as in GLSL's scalar layout
 #endif
+#ifndef GLM_FORCE_INLINE
+#define GLM_FORCE_INLINE  // g++ leaves some of GLM's one-line functions out of line in large kernels
+#endif
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -57,6 +60,15 @@ inline uint reverse_bits32(uint x) {
     x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
     return __builtin_bswap32(x);
 }
+// Two at once for the price of one.
+inline glm::uvec2 reverse_bits32(glm::uvec2 v) {
+    std::uint64_t x = v.x | (std::uint64_t(v.y) << 32);
+    x = ((x >> 1) & 0x5555555555555555u) | ((x & 0x5555555555555555u) << 1);
+    x = ((x >> 2) & 0x3333333333333333u) | ((x & 0x3333333333333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0f0f0f0f0fu) | ((x & 0x0f0f0f0f0f0f0f0fu) << 4);
+    x = __builtin_bswap64(x);  // and the halves change places
+    return glm::uvec2(uint(x >> 32), uint(x));
+}
 inline uint float_bits(float x) { return std::bit_cast<uint>(x); }
 inline float bits_float(uint x) { return std::bit_cast<float>(x); }
 }  // namespace spinel::kernels
@@ -87,6 +99,7 @@ FN mask64 mask64_below(mask64 m, uint i) {
 }
 FN uint leading_zeros32(uint x) { return x == 0u ? 32u : 31u - uint(findMSB(x)); }
 FN uint reverse_bits32(uint x) { return bitfieldReverse(x); }
+FN uvec2 reverse_bits32(uvec2 v) { return bitfieldReverse(v); }
 FN uint float_bits(float x) { return floatBitsToUint(x); }
 FN float bits_float(uint x) { return uintBitsToFloat(x); }
 

@@ -76,7 +76,8 @@ FN vec2 sampler_2d(inout(Sampler) s) {
     uint index = reverse_bits32(laine_karras_permutation(s.reversed_index, hash));
     uint x = laine_karras_permutation(index, hash * 0x85ebca6bu + 0x68bc21ebu);
     uint y = laine_karras_permutation(sobol_reversed_1(index), hash * 0xc2b2ae35u + 0x02e5be93u);
-    return vec2(uint_to_unit_float(reverse_bits32(x)), uint_to_unit_float(reverse_bits32(y)));
+    uvec2 point = reverse_bits32(uvec2(x, y));
+    return vec2(uint_to_unit_float(point.x), uint_to_unit_float(point.y));
 }
 
 // The next dimension; it takes up a pair.

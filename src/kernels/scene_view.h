@@ -33,25 +33,25 @@ struct Triangle {
 BUFFER(Triangles, Triangle)
 
 struct TriangleInfo {
-    uvec3 vertices;  // relative to Mesh::vertex_first
+    uvec3 vertices;  // relative to the mesh's first
     uint slot;       // material slot within the instance's table
     uint primitive;  // the triangle's index in the user's mesh
 };
 BUFFER(TriangleInfos, TriangleInfo)
 
-struct VertexAttributes {
-    vec3 normal;  // zero: none given, use the geometric normal
-    vec2 uv;
-    vec4 tangent;  // xyz along +u, w the bitangent's sign; zero: none
-    vec4 color;    // linear, multiplies the base colour; w is unused
-};
-BUFFER(Attributes, VertexAttributes)
+BUFFER(Vec2s, vec2)
+BUFFER(Vec3s, vec3)
+BUFFER(Vec4s, vec4)
 
+// Attributes of vertices are streams of their own: what a mesh does not have takes no room and no time.
 struct Mesh {
     uint node_first;
     uint triangle_first;  // also indexes TriangleInfos
     uint triangle_count;
-    uint vertex_first;  // into Attributes
+    uint normal_first;   // the first vertex's in SceneView::normals; NONE: the geometric normal serves
+    uint uv_first;       // NONE: (0, 0)
+    uint tangent_first;  // xyz along +u, w the bitangent's sign; NONE: no tangents
+    uint color_first;    // linear, multiplies the base colour, w is unused; NONE: white
 };
 BUFFER(Meshes, Mesh)
 
@@ -296,7 +296,10 @@ struct SceneView {
     BvhNodes nodes;  // of all meshes
     Triangles triangles;
     TriangleInfos triangle_infos;
-    Attributes attributes;
+    Vec3s normals;  // of vertices, as the next three
+    Vec2s uvs;
+    Vec4s tangents;
+    Vec4s colors;
     Meshes meshes;
     VoxelGrids voxel_grids;
     SdfOps sdf_ops;

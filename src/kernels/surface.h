@@ -78,20 +78,27 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         float w = 1.0f - hit.uv.x - hit.uv.y;
         local = w * t.a + hit.uv.x * t.b + hit.uv.y * t.c;
         extent = max_component(max(abs(t.a), max(abs(t.b), abs(t.c))));
-        RECORD(VertexAttributes) a = scene.attributes.at[mesh.vertex_first + info.vertices.x];
-        RECORD(VertexAttributes) b = scene.attributes.at[mesh.vertex_first + info.vertices.y];
-        RECORD(VertexAttributes) c = scene.attributes.at[mesh.vertex_first + info.vertices.z];
-        vec3 n = w * a.normal + hit.uv.x * b.normal + hit.uv.y * c.normal;
-        if (dot(n, n) > 1.0e-12f) {
-            shading = n;
-            smooth_normal = true;
+        vec3 weights = vec3(w, hit.uv.x, hit.uv.y);
+        if (mesh.normal_first != NONE) {
+            uvec3 i = info.vertices + mesh.normal_first;
+            vec3 n = mat3(scene.normals.at[i.x], scene.normals.at[i.y], scene.normals.at[i.z]) * weights;
+            if (dot(n, n) > 1.0e-12f) {
+                shading = n;
+                smooth_normal = true;
+            }
         }
-        s.uv = w * a.uv + hit.uv.x * b.uv + hit.uv.y * c.uv;
-        vec4 tangent4 = w * a.tangent + hit.uv.x * b.tangent + hit.uv.y * c.tangent;
-        tangent = vec3(tangent4.x, tangent4.y, tangent4.z);
-        if (tangent4.w < 0.0f) s.bitangent_sign = -1.0f;
-        vec4 color = w * a.color + hit.uv.x * b.color + hit.uv.y * c.color;
-        s.color = vec3(color.x, color.y, color.z);
+        s.uv = mesh_uv(scene, mesh, info.vertices, weights);
+        if (mesh.tangent_first != NONE) {
+            uvec3 i = info.vertices + mesh.tangent_first;
+            vec4 t = mat3x4(scene.tangents.at[i.x], scene.tangents.at[i.y], scene.tangents.at[i.z]) * weights;
+            tangent = vec3(t.x, t.y, t.z);
+            if (t.w < 0.0f) s.bitangent_sign = -1.0f;
+        }
+        if (mesh.color_first != NONE) {
+            uvec3 i = info.vertices + mesh.color_first;
+            vec4 color = mat3x4(scene.colors.at[i.x], scene.colors.at[i.y], scene.colors.at[i.z]) * weights;
+            s.color = vec3(color.x, color.y, color.z);
+        }
         slot += info.slot;
     } else if (instance.geometry_kind == GEOMETRY_VOXELS) {
         RECORD(VoxelGrid) grid = scene.voxel_grids.at[instance.geometry];
@@ -150,8 +157,10 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     s.geometric_normal = normalize_any(rotate_normal(instance, normalize_any(outward)));
     s.normal = smooth_normal ? normalize_any(rotate_normal(instance, normalize_any(shading))) : s.geometric_normal;
     if (dot(s.normal, s.geometric_normal) < 0.0f) s.normal = -s.normal;
-    vec3 world_tangent = linear * tangent;
-    s.tangent = dot(world_tangent, world_tangent) > 1.0e-20f ? normalize(world_tangent) : vec3(0.0f);
+    if (!is_black(tangent)) {
+        vec3 world_tangent = linear * tangent;
+        if (dot(world_tangent, world_tangent) > 1.0e-20f) s.tangent = normalize(world_tangent);
+    }
 
     RECORD(Slot) here = scene.slots.at[slot];
     s.material = here.material;

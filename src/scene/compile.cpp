@@ -43,7 +43,10 @@ kernels::SceneView CompiledScene::view() const {
     v.nodes.at = nodes.data();
     v.triangles.at = triangles.data();
     v.triangle_infos.at = triangle_infos.data();
-    v.attributes.at = attributes.data();
+    v.normals.at = normals.data();
+    v.uvs.at = uvs.data();
+    v.tangents.at = tangents.data();
+    v.colors.at = colors.data();
     v.meshes.at = meshes.data();
     v.voxel_grids.at = voxel_grids.data();
     v.sdf_ops.at = sdf_ops.data();
@@ -102,6 +105,14 @@ Shape unit_shape(uint kind, const mat4x3& bake, vec3 upper = vec3(1)) {
     return shape;
 }
 
+// A mesh's vertex attributes; NONE if it has none of this sort.
+template <class T>
+uint append_stream(std::vector<T>& to, const std::vector<T>& from) {
+    if (from.empty()) return kernels::NONE;
+    append(to, from);
+    return uint(to.size() - from.size());
+}
+
 struct ShapeBuilder {
     Compilation& c;
     const std::string& name;
@@ -116,11 +127,11 @@ struct ShapeBuilder {
         shape.kind = kernels::GEOMETRY_MESH;
         shape.index = uint(out.meshes.size());
         out.meshes.push_back({uint(out.nodes.size()), uint(out.triangles.size()), uint(data->triangles.size()),
-                              uint(out.attributes.size())});
+                              append_stream(out.normals, mesh.normals), append_stream(out.uvs, mesh.uvs),
+                              append_stream(out.tangents, mesh.tangents), append_stream(out.colors, mesh.colors)});
         append(out.nodes, data->nodes);
         append(out.triangles, data->triangles);
         append(out.triangle_infos, data->infos);
-        append(out.attributes, data->attributes);
         shape.lower = data->bounds.lower;
         shape.upper = data->bounds.upper;
         if (data->nodes.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};

@@ -19,7 +19,10 @@ struct CompiledScene {
     std::vector<kernels::BvhNode> nodes;
     std::vector<kernels::Triangle> triangles;
     std::vector<kernels::TriangleInfo> triangle_infos;
-    std::vector<kernels::VertexAttributes> attributes;
+    std::vector<vec3> normals;
+    std::vector<vec2> uvs;
+    std::vector<vec4> tangents;
+    std::vector<vec4> colors;
     std::vector<kernels::Mesh> meshes;
     std::vector<kernels::VoxelGrid> voxel_grids;
     std::vector<kernels::SdfOp> sdf_ops;

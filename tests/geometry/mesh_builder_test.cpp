@@ -30,7 +30,6 @@ TEST(MeshBuilder, triangles_in_leaf_order_remember_where_they_came_from) {
     ASSERT_TRUE(built);
     ASSERT_EQ(built->triangles.size(), mesh.triangles.size());
     ASSERT_EQ(built->infos.size(), mesh.triangles.size());
-    ASSERT_EQ(built->attributes.size(), mesh.positions.size());
     std::vector<int> seen(mesh.triangles.size(), 0);
     for (std::size_t i = 0; i < built->triangles.size(); ++i) {
         const kernels::TriangleInfo& info = built->infos[i];
@@ -44,20 +43,11 @@ TEST(MeshBuilder, triangles_in_leaf_order_remember_where_they_came_from) {
     for (const int times : seen) EXPECT_EQ(times, 1);
 }
 
-TEST(MeshBuilder, attributes_that_were_not_given_are_neutral) {
-    MeshGeometry mesh = square();
-    auto built = build_mesh(mesh);
+TEST(MeshBuilder, bounds_are_those_of_the_vertices) {
+    const auto built = build_mesh(square());
     ASSERT_TRUE(built);
-    EXPECT_EQ(built->attributes[2].normal, vec3(0));
-    EXPECT_EQ(built->attributes[2].uv, vec2(0));
-    EXPECT_EQ(built->attributes[2].tangent, vec4(0));
-    EXPECT_EQ(built->attributes[2].color, vec4(1));
     EXPECT_EQ(built->bounds.lower, vec3(0));
     EXPECT_EQ(built->bounds.upper, vec3(1, 1, 0));
-    mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    built = build_mesh(mesh);
-    ASSERT_TRUE(built);
-    EXPECT_EQ(built->attributes[2].uv, vec2(1));
 }
 
 TEST(MeshBuilder, triangles_without_area_are_left_out) {

@@ -41,11 +41,10 @@ class TestScene {
     std::uint32_t add(const MeshGeometry& mesh) {
         auto built = build_mesh(mesh);
         if (!built) throw std::runtime_error(built.error().message);
-        meshes_.push_back({count(nodes_), count(triangles_), count(built->triangles), count(attributes_)});
+        meshes_.push_back({count(nodes_), count(triangles_), count(built->triangles), NO, NO, NO, NO});
         append(nodes_, built->nodes);
         append(triangles_, built->triangles);
         append(infos_, built->infos);
-        append(attributes_, built->attributes);
         mesh_bounds_.push_back(built->bounds);
         return count(meshes_) - 1;
     }
@@ -103,7 +102,6 @@ class TestScene {
         view_.nodes.at = nodes_.data();
         view_.triangles.at = triangles_.data();
         view_.triangle_infos.at = infos_.data();
-        view_.attributes.at = attributes_.data();
         view_.meshes.at = meshes_.data();
         view_.voxel_grids.at = grids_.data();
         view_.sdf_ops.at = ops_.data();
@@ -152,7 +150,6 @@ class TestScene {
     std::vector<kernels::Slot> slots_;
     std::vector<kernels::Triangle> triangles_;
     std::vector<kernels::TriangleInfo> infos_;
-    std::vector<kernels::VertexAttributes> attributes_;
     std::vector<kernels::Mesh> meshes_;
     std::vector<Box> mesh_bounds_;
     std::vector<kernels::VoxelGrid> grids_;

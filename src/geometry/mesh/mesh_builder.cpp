@@ -73,15 +73,9 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const BvhOptions& options)
     }
 
     data.bounds = {mesh.positions[0], mesh.positions[0]};
-    data.attributes.resize(mesh.positions.size());
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        data.bounds.lower = glm::min(data.bounds.lower, mesh.positions[i]);
-        data.bounds.upper = glm::max(data.bounds.upper, mesh.positions[i]);
-        kernels::VertexAttributes& attributes = data.attributes[i];
-        attributes.normal = mesh.normals.empty() ? vec3(0) : mesh.normals[i];
-        attributes.uv = mesh.uvs.empty() ? vec2(0) : mesh.uvs[i];
-        attributes.tangent = mesh.tangents.empty() ? vec4(0) : mesh.tangents[i];
-        attributes.color = mesh.colors.empty() ? vec4(1) : mesh.colors[i];
+    for (const vec3& position : mesh.positions) {
+        data.bounds.lower = glm::min(data.bounds.lower, position);
+        data.bounds.upper = glm::max(data.bounds.upper, position);
     }
     return data;
 }

@@ -9,15 +9,14 @@
 
 namespace spinel {
 
-// Indices are relative: nodes to nodes, leaves to triangles, TriangleInfo::vertices to attributes. Triangles
-// and infos stand in leaf order. A triangle whose area vanishes in single precision is left out: it has no
+// Indices are relative: nodes to nodes, leaves to triangles, TriangleInfo::vertices to the user's vertices,
+// whose attributes are used as they are. Triangles and infos stand in leaf order. A triangle whose area vanishes in single precision is left out: it has no
 // normal, and nothing hits it. If none is left, nodes and triangles are empty.
 struct MeshData {
     std::vector<kernels::BvhNode> nodes;
     std::vector<kernels::Triangle> triangles;
     std::vector<kernels::TriangleInfo> infos;
-    std::vector<kernels::VertexAttributes> attributes;  // one a vertex; what the user left out: zero, colours one
-    Box bounds;                                         // of the vertices
+    Box bounds;  // of the vertices
     BvhStatistics statistics;
 };
 
