@@ -197,7 +197,8 @@ Result<void> VulkanDevice::download(const VulkanBuffer& buffer, std::span<std::b
     return {};
 }
 
-Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> spirv, uint32_t push_constant_size) {
+Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> spirv, uint32_t push_constant_size,
+                                                     std::span<const uint32_t> constants) {
     if (const uint32_t limit = context_->properties.limits.maxPushConstantsSize; push_constant_size > limit)
         return Error{
             fmt::format("'{}' takes at most {} bytes of push constants, not {}", name_, limit, push_constant_size)};
@@ -220,12 +221,20 @@ Result<VulkanPipeline> VulkanDevice::create_pipeline(std::span<const uint32_t> s
     VkShaderModule module = VK_NULL_HANDLE;
     result = vkCreateShaderModule(context_->device, &module_info, nullptr, &module);
     if (result != VK_SUCCESS) return vulkan_error("load a shader", result);
+    std::vector<VkSpecializationMapEntry> entries;
+    for (uint32_t i = 0; i < constants.size(); ++i)
+        entries.push_back({.constantID = i, .offset = 4 * i, .size = sizeof(uint32_t)});
+    const VkSpecializationInfo specialization = {.mapEntryCount = uint32_t(entries.size()),
+                                                 .pMapEntries = entries.data(),
+                                                 .dataSize = constants.size_bytes(),
+                                                 .pData = constants.data()};
     const VkComputePipelineCreateInfo pipeline = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                   .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                   .module = module,
-                  .pName = "main"},
+                  .pName = "main",
+                  .pSpecializationInfo = &specialization},
         .layout = state->layout};
     result = vkCreateComputePipelines(context_->device, VK_NULL_HANDLE, 1, &pipeline, nullptr, &state->pipeline);
     vkDestroyShaderModule(context_->device, module, nullptr);

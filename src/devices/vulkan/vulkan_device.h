@@ -80,7 +80,10 @@ class VulkanDevice {
     Result<void> upload(const VulkanBuffer& buffer, std::span<const std::byte> bytes, uint64_t offset = 0);
     Result<void> download(const VulkanBuffer& buffer, std::span<std::byte> bytes, uint64_t offset = 0);
 
-    Result<VulkanPipeline> create_pipeline(std::span<const uint32_t> spirv, uint32_t push_constant_size);
+    // `constants` are the values of the shader's specialisation constants 0, 1, …: known to the compiler, so that what
+    // they switch off costs nothing, not even the time to compile it.
+    Result<VulkanPipeline> create_pipeline(std::span<const uint32_t> spirv, uint32_t push_constant_size,
+                                           std::span<const uint32_t> constants = {});
 
     // Runs dispatches in order; each sees what the earlier ones wrote.
     Result<void> run(std::span<const VulkanDispatch> dispatches);
