@@ -321,11 +321,9 @@ struct SceneView {
     uint light_count;
     uint infinite_light_count;  // environment and directional lights stand first in lights
     uint pass_through_count;    // instances a shadow ray must look at one by one; 0: any hit is a shadow
-    float scene_radius;         // of the bounding sphere of all that is bounded
-    vec3 scene_center;
-    uint camera_inside_count;  // interiors that the camera starts in …
-    uint camera_inside_first;  // … in words
-    uint microfacet_first;     // MICROFACET_TABLE in words, for shaders (microfacet_energy.h)
+    uint camera_inside_count;   // interiors that the camera starts in …
+    uint camera_inside_first;   // … in words
+    uint microfacet_first;      // MICROFACET_TABLE in words, for shaders (microfacet_energy.h)
 };
 BUFFER(SceneViews, SceneView)
 

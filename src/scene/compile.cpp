@@ -68,8 +68,6 @@ kernels::SceneView CompiledScene::view() const {
     v.light_count = uint(light_table.size());
     v.infinite_light_count = infinite_light_count;
     v.pass_through_count = pass_through_count;
-    v.scene_radius = 0.5f * glm::length(upper - lower);
-    v.scene_center = 0.5f * (lower + upper);
     v.camera_inside_count = camera_inside_count;
     v.camera_inside_first = camera_inside_first;
     v.microfacet_first = microfacet_first;
