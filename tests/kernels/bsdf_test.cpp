@@ -106,7 +106,7 @@ void expect_samples_follow_density(const std::vector<float>& roughnesses, const 
         }
         const double p = chi.p_value([&](vec3 wi) { return double(bsdf_pdf(c.bsdf, wo, wi)); }, max_depth);
         EXPECT_GT(p, test::sidak_threshold(int(tests.size()))) << c.name << ", cosine " << cosine << ", seed 7";
-        EXPECT_LT(chi.integral(), 1.001) << c.name << ", cosine " << cosine;
+        EXPECT_LT(chi.integral(), 1.001) << c.name << ", cosine " << cosine << ", seed 7";
     }
 }
 
@@ -124,26 +124,27 @@ TEST(Bsdf, weight_is_value_over_density) {
         for (float cosine : {0.01f, 0.3f, 0.9f, 1.0f}) {
             const vec3 wo = at_angle(cosine);
             for (uint i = 0; i < 200; ++i) {
+                SCOPED_TRACE(testing::Message() << c.name << ", cosine " << cosine << ", sample " << i << " of seed 0");
                 const BsdfSample s = draw(c.bsdf, wo, i);
-                ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z) && std::isfinite(s.pdf)) << c.name;
-                ASSERT_GE(min_component(s.weight), 0.0f) << c.name;
+                ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z) && std::isfinite(s.pdf));
+                ASSERT_GE(min_component(s.weight), 0.0f);
                 if ((s.flags & LOBE_FAILED) != 0u) {
-                    ASSERT_TRUE(is_black(s.weight)) << c.name;
+                    ASSERT_TRUE(is_black(s.weight));
                     continue;
                 }
-                ASSERT_NEAR(glm::length(s.direction), 1.0f, 1e-4f) << c.name;
-                ASSERT_EQ((s.flags & LOBE_TRANSMISSION) != 0u, s.direction.z < 0.0f) << c.name;
-                ASSERT_GT(s.pdf, 0.0f) << c.name;
+                ASSERT_NEAR(glm::length(s.direction), 1.0f, 1e-4f);
+                ASSERT_EQ((s.flags & LOBE_TRANSMISSION) != 0u, s.direction.z < 0.0f);
+                ASSERT_GT(s.pdf, 0.0f);
                 if ((s.flags & LOBE_DELTA) != 0u) {
-                    ASSERT_LE(s.pdf, 1.0f) << c.name;
+                    ASSERT_LE(s.pdf, 1.0f);
                     continue;
                 }
                 const vec4 value_pdf = bsdf_eval_pdf(c.bsdf, wo, s.direction);
-                ASSERT_NEAR(value_pdf.w / s.pdf, 1.0f, 1e-4f) << c.name;
+                ASSERT_NEAR(value_pdf.w / s.pdf, 1.0f, 1e-4f);
                 const vec3 value = s.weight * s.pdf;
-                ASSERT_LE(glm::length(value - rgb(value_pdf)), 1e-4f * glm::length(value) + 1e-12f) << c.name;
-                ASSERT_EQ(bsdf_eval(c.bsdf, wo, s.direction), rgb(value_pdf)) << c.name;
-                ASSERT_EQ(bsdf_pdf(c.bsdf, wo, s.direction), value_pdf.w) << c.name;
+                ASSERT_LE(glm::length(value - rgb(value_pdf)), 1e-4f * glm::length(value) + 1e-12f);
+                ASSERT_EQ(bsdf_eval(c.bsdf, wo, s.direction), rgb(value_pdf));
+                ASSERT_EQ(bsdf_pdf(c.bsdf, wo, s.direction), value_pdf.w);
             }
         }
     }
@@ -176,10 +177,12 @@ TEST(Bsdf, is_reciprocal) {
                 b = dvec3(bsdf_eval(back, -wi, -wo)) / double(wo.z) / double(eta * eta);
             }
             ASSERT_LE(glm::length(a - b), 2e-3 * glm::length(a + b) + 1e-6)
-                << info.name << " roughness " << roughness << " eta " << eta << " wo.z " << wo.z << " wi.z " << wi.z;
+                << info.name << ", draw " << i << " of seed 3: color " << color.x << " " << color.y << " " << color.z
+                << ", roughness " << roughness << ", metallic " << metallic << ", eta " << eta << ", wo " << wo.x << " "
+                << wo.y << " " << wo.z << ", wi " << wi.x << " " << wi.y << " " << wi.z;
             if (glm::length(a) > 1e-6) ++compared;
         }
-        EXPECT_GT(compared, 500) << info.name;
+        EXPECT_GT(compared, 500) << info.name << ", seed 3";
     }
 }
 
@@ -239,8 +242,8 @@ TEST(Bsdf, smooth_diffuse_is_exactly_lambert) {
     const Bsdf b = make_bsdf(default_material(MATERIAL_DIFFUSE), vec3(0.6f, 0.4f, 0.2f), 0, 0, 1);
     for (float cosine : {0.1f, 0.5f, 1.0f}) {
         const vec3 wi = at_angle(cosine);
-        EXPECT_EQ(bsdf_eval(b, at_angle(0.3f), wi), vec3(0.6f, 0.4f, 0.2f) * (cosine * INV_PI));
-        EXPECT_EQ(bsdf_eval(b, at_angle(0.3f), -wi), vec3(0.0f));
+        EXPECT_EQ(bsdf_eval(b, at_angle(0.3f), wi), vec3(0.6f, 0.4f, 0.2f) * (cosine * INV_PI)) << "cosine " << cosine;
+        EXPECT_EQ(bsdf_eval(b, at_angle(0.3f), -wi), vec3(0.0f)) << "cosine " << cosine;
     }
 }
 
@@ -298,6 +301,7 @@ TEST(Bsdf, smooth_glass_obeys_snell_and_fresnel) {
         const Bsdf b = make_bsdf(default_material(MATERIAL_DIELECTRIC), vec3(1), 0, 0, eta);
         EXPECT_TRUE(bsdf_is_delta(b));
         for (float cosine : {0.1f, 0.5f, 0.9f, 1.0f}) {
+            SCOPED_TRACE(testing::Message() << "eta " << eta << ", cosine " << cosine);
             const vec3 wo = at_angle(cosine);
             const BsdfSample up = bsdf_sample(b, wo, 0.0f, vec2(0.5f));
             EXPECT_LT(glm::length(up.direction - vec3(-wo.x, -wo.y, wo.z)), 1e-6f);
@@ -323,8 +327,8 @@ TEST(Bsdf, equal_indices_let_light_pass_at_any_roughness) {
     for (float roughness : {0.0f, 0.5f, 1.0f}) {
         const Bsdf b = make_bsdf(default_material(MATERIAL_DIELECTRIC), vec3(1), roughness, 0, 1);
         const BsdfSample s = bsdf_sample(b, at_angle(0.4f), 0.3f, vec2(0.2f, 0.8f));
-        EXPECT_EQ(s.direction, -at_angle(0.4f));
-        EXPECT_EQ(s.weight, vec3(1));
+        EXPECT_EQ(s.direction, -at_angle(0.4f)) << "roughness " << roughness;
+        EXPECT_EQ(s.weight, vec3(1)) << "roughness " << roughness;
     }
 }
 
@@ -358,23 +362,26 @@ TEST(Fresnel, a_conductor_without_absorption_is_a_dielectric) {
 TEST(Bsdf, grazing_and_degenerate_directions_stay_finite) {
     for (const Case& c : all_cases({0.0f, 0.032f, 0.05f, 0.5f, 1.0f}, vec3(1.0f))) {
         for (float cosine : {1e-7f, 1e-4f, 1.0f}) {
+            SCOPED_TRACE(testing::Message() << c.name << ", cosine " << cosine);
             const vec3 wo = at_angle(cosine);
             for (vec3 wi : {at_angle(1e-7f, 3.0f), wo, -wo, vec3(-wo.x, -wo.y, wo.z), vec3(0, 0, 1), vec3(0, 0, -1),
                             vec3(1, 0, 0), vec3(0.6f, 0, -0.8f)}) {
+                SCOPED_TRACE(testing::Message() << "wi " << wi.x << " " << wi.y << " " << wi.z);
                 const vec4 v = bsdf_eval_pdf(c.bsdf, wo, wi);
-                ASSERT_TRUE(std::isfinite(v.x + v.y + v.z + v.w)) << c.name << ", cosine " << cosine;
-                ASSERT_GE(v.w, 0.0f) << c.name;
-                ASSERT_GE(min_component(rgb(v)), 0.0f) << c.name;
+                ASSERT_TRUE(std::isfinite(v.x + v.y + v.z + v.w));
+                ASSERT_GE(v.w, 0.0f);
+                ASSERT_GE(min_component(rgb(v)), 0.0f);
             }
             for (float u : {0.0f, 0.5f, ONE_MINUS_EPSILON}) {
                 for (float l : {0.0f, 0.5f, ONE_MINUS_EPSILON}) {
+                    SCOPED_TRACE(testing::Message() << "u_lobe " << l << ", u " << u);
                     const BsdfSample s = bsdf_sample(c.bsdf, wo, l, vec2(u, 1 - u > 0.9f ? ONE_MINUS_EPSILON : u));
-                    ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z + s.pdf)) << c.name;
-                    ASSERT_GE(min_component(s.weight), 0.0f) << c.name;
+                    ASSERT_TRUE(std::isfinite(s.weight.x + s.weight.y + s.weight.z + s.pdf));
+                    ASSERT_GE(min_component(s.weight), 0.0f);
                 }
             }
             const vec3 estimate = bsdf_albedo(c.bsdf, wo);
-            ASSERT_TRUE(min_component(estimate) >= 0.0f && max_component(estimate) <= 1.0f + 1e-4f) << c.name;
+            ASSERT_TRUE(min_component(estimate) >= 0.0f && max_component(estimate) <= 1.0f + 1e-4f);
         }
     }
 }
@@ -387,8 +394,8 @@ TEST(Bsdf, delta_materials_evaluate_to_nothing) {
         for (uint i = 0; i < 100; ++i) {
             const vec3 wo = at_angle(0.4f);
             const BsdfSample s = draw(c.bsdf, wo, i);
-            EXPECT_NE(s.flags & (LOBE_DELTA | LOBE_FAILED), 0u) << c.name;
-            EXPECT_EQ(bsdf_eval_pdf(c.bsdf, wo, s.direction), vec4(0.0f)) << c.name;
+            EXPECT_NE(s.flags & (LOBE_DELTA | LOBE_FAILED), 0u) << c.name << ", sample " << i << " of seed 0";
+            EXPECT_EQ(bsdf_eval_pdf(c.bsdf, wo, s.direction), vec4(0.0f)) << c.name << ", sample " << i << " of seed 0";
         }
     }
     EXPECT_GE(seen, 3);
