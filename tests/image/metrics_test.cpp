@@ -21,10 +21,21 @@ TEST(Metrics, rmse_and_relative_mse_follow_their_definitions) {
     EXPECT_EQ(*rmse(a, a), 0.0);
 }
 
+TEST(Metrics, means_are_compared_relative_to_the_reference) {
+    EXPECT_NEAR(*relative_mean_difference(a, b), 1.5 / 6.0, 1e-12);
+    EXPECT_NEAR(*relative_mean_difference(b, a), 1.5 / 4.5, 1e-12);
+    EXPECT_EQ(*relative_mean_difference(a, a), 0.0);
+    const Image black{1, 1, 1, {0}}, grey{1, 1, 1, {1}}, nothing{1, 1, 1, {NAN}};
+    EXPECT_EQ(*relative_mean_difference(black, black), 0.0);
+    EXPECT_EQ(*relative_mean_difference(grey, black), INFINITY);
+    EXPECT_TRUE(std::isnan(*relative_mean_difference(nothing, grey)));
+}
+
 TEST(Metrics, pictures_of_different_shape_are_refused) {
     const Image c{1, 2, 3, {1, 2, 3, 4, 5, 6}};
     EXPECT_FALSE(rmse(a, c));
     EXPECT_FALSE(relative_mse(a, c));
+    EXPECT_FALSE(relative_mean_difference(a, c));
     EXPECT_FALSE(rmse(Image{}, Image{}));
 }
 
