@@ -9,6 +9,7 @@
 #include "scene/complete.h"
 #include "scene/json_reader.h"
 #include "scene/material_registry.h"
+#include "scene/number_text.h"
 #include "scene/validate.h"
 #include "spinel/formats.h"
 
@@ -17,7 +18,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json vector_json(vec3 v) { return {v.x, v.y, v.z}; }
+// The double whose shortest text is the float's: 0.3, not 0.30000001192092896.
+double number_json(float x) { return std::stod(number_text(x)); }
+Json vector_json(vec3 v) { return {number_json(v.x), number_json(v.y), number_json(v.z)}; }
 
 struct Describe {
     const Scene& scene;
@@ -34,13 +37,17 @@ struct Describe {
     Json operator()(const VolumeGeometry& volume) const {
         const Grid& grid = scene.grids[std::size_t(volume.grid)];
         const auto [low, high] = std::minmax_element(grid.values.begin(), grid.values.end());
-        return {{"size", {grid.size.x, grid.size.y, grid.size.z}}, {"minimum", *low}, {"maximum", *high}};
+        return {{"size", {grid.size.x, grid.size.y, grid.size.z}},
+                {"minimum", number_json(*low)},
+                {"maximum", number_json(*high)}};
     }
     Json operator()(const SdfGeometry& sdf) const { return {{"operations", count(sdf.root)}}; }
-    Json operator()(const SphereGeometry& s) const { return {{"radius", s.radius}}; }
+    Json operator()(const SphereGeometry& s) const { return {{"radius", number_json(s.radius)}}; }
     Json operator()(const BoxGeometry& b) const { return {{"size", vector_json(b.size)}}; }
     Json operator()(const PlaneGeometry&) const { return Json::object(); }
-    Json operator()(const RectangleGeometry& r) const { return {{"size", {r.size.x, r.size.y}}}; }
+    Json operator()(const RectangleGeometry& r) const {
+        return {{"size", {number_json(r.size.x), number_json(r.size.y)}}};
+    }
 
     static std::size_t count(const SdfNode& node) {
         std::size_t n = 1;
@@ -106,6 +113,7 @@ void print(const std::string& file, const Json& json) {
                 break;
             }
             std::string line = entry.is_string() ? entry.get<std::string>() : entry["name"].get<std::string>();
+            if (line.empty()) line = "(unnamed)";
             if (entry.is_object())
                 for (const auto& [name, value] : entry.items())
                     if (name != "name")

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
@@ -65,9 +66,12 @@ std::function<int()> list_command(CLI::App& app, const CommonOptions& common) {
         for (const Kind& kind : kinds) {
             if (!wanted->empty() && *wanted != kind.name) continue;
             if (!common.json && wanted->empty()) fmt::print("{}:\n", kind.name);
-            for (const Entry& entry : kind.list()) {
+            const std::vector<Entry> list = kind.list();
+            std::size_t width = 0;
+            for (const Entry& entry : list) width = std::max(width, entry.name.size());
+            for (const Entry& entry : list) {
                 if (common.json) json[kind.name].push_back({{"name", entry.name}, {"doc", entry.doc}});
-                else fmt::print("{}{:<18} {}\n", wanted->empty() ? "  " : "", entry.name, entry.doc);
+                else fmt::print("{}{:<{}}  {}\n", wanted->empty() ? "  " : "", entry.name, width, entry.doc);
             }
         }
         if (common.json) fmt::print("{}\n", json_text(json, 2));

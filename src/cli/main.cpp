@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <optional>
@@ -11,9 +13,17 @@
 
 namespace spinel::cli {
 
-int fail(const Error& error) {
+int fail(const Error& error, ExitCode code) {
     fmt::print(stderr, "spinel: {}\n", error.message);
-    return exit_bad_input;
+    return code;
+}
+
+CLI::Validator finite_number() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a finite number";
+        },
+        "");
 }
 
 namespace {
@@ -44,6 +54,10 @@ constexpr Row commands[] = {
      "  spinel trace bunny.ply --rays rays.npy -o hits.npy\n"
      "  spinel trace scene.json --rays rays.npy -o hits.npy --accel brute-force",
      trace_command},
+    {"compare", "tell how far two pictures are apart",
+     "  spinel compare picture.png reference.png --metric flip\n"
+     "  spinel compare picture.exr reference.exr --metric mean --threshold 0.01",
+     compare_command},
 };
 
 // One line; CLI11 spreads some complaints over several, and calls an unknown subcommand a missing one.
@@ -75,8 +89,7 @@ int run(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // prints help or the version
-        fail({usage_message(app, error, argc, argv)});
-        return exit_usage;
+        return fail({usage_message(app, error, argc, argv)}, exit_usage);
     }
     return chosen();
 }

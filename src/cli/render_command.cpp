@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <cerrno>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -98,11 +97,14 @@ fs::path output_path(const Options& o, const fs::path& input) {
     return fs::path(o.output);
 }
 
-// Several inputs need a place each: a folder, or a name with {name} in it.
+// Pictures have an extension that can be written, and several inputs need a place each: a folder, or a name with {name}
+// in it.
 Result<void> check_outputs(const Options& o) {
     std::map<fs::path, const std::string*> taken;
     for (const std::string& input : o.inputs) {
         const fs::path output = output_path(o, input);
+        if (output.extension() != ".png" && output.extension() != ".exr")
+            return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output.string())};
         const auto [other, is_new] = taken.emplace(output.lexically_normal(), &input);
         if (is_new) continue;
         if (output == fs::path(o.output))
@@ -190,8 +192,6 @@ struct Run {
 
     Result<int> operator()(const fs::path& input) const {
         const fs::path output = output_path(o, input);
-        if (output.extension() != ".png" && output.extension() != ".exr")
-            return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output.string())};
         const Result<Scene> scene = load_scene(input, size);
         if (!scene) return scene.error();
         if (o.check && !scene->expected)
@@ -280,21 +280,25 @@ struct Run {
 int run(const Options& o, const CommonOptions& common) {
     RenderOptions options;
     const Result<ivec2> size = parse_size(o.size);
-    if (!size) return fail(size.error()), int(exit_usage);
+    if (!size) return fail(size.error(), exit_usage);
     const Result<Crop> crop = parse_crop(o.crop);
-    if (!crop) return fail(crop.error()), int(exit_usage);
+    if (!crop) return fail(crop.error(), exit_usage);
     if (!o.time.empty()) {
         const Result<double> time = parse_duration(o.time);
-        if (!time) return fail(time.error()), int(exit_usage);
+        if (!time) return fail(time.error(), exit_usage);
         options.time_limit = *time;
     }
-    if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error()), int(exit_usage);
+    if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error(), exit_usage);
+    if (const auto device = find_device(o.device); !device) return fail(device.error(), exit_usage);
+    if (!o.integrator.empty())
+        if (const auto integrator = find_integrator(o.integrator); !integrator)
+            return fail(integrator.error(), exit_usage);
     // What would only be noticed after the rendering is checked before it.
     if (const auto tone_map = parse_tone_map(o.tone_map, ToneMap::agx); !tone_map)
-        return fail(tone_map.error()), int(exit_usage);
+        return fail(tone_map.error(), exit_usage);
     for (const std::string& name : o.aovs)
         if (const auto plane = aov_plane(FilmBuffer({1, 1}, {{0, 0}, {1, 1}}), name); !plane)
-            return fail(plane.error()), int(exit_usage);
+            return fail(plane.error(), exit_usage);
     options.spp = o.spp;
     options.noise = o.noise;
     options.max_bounces = o.max_bounces;
@@ -320,12 +324,6 @@ int run(const Options& o, const CommonOptions& common) {
 
 std::function<int()> render_command(CLI::App& app, const CommonOptions& common) {
     auto o = std::make_shared<Options>();
-    // NaN passes every range check of CLI11.
-    const CLI::Validator finite(
-        [](const std::string& text) {
-            return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "'" + text + "' is not a finite number";
-        },
-        "");
     app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`")->required();
     app.add_option("-o,--output", o->output,
                    "picture: .png or .exr; for several inputs a folder, or a name with {name} in it")
@@ -334,7 +332,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--spp", o->spp, "samples per pixel (default: the scene's, else 64)")->check(CLI::Range(1, 1 << 30));
     app.add_option("--time", o->time, "stop after this long: 30s, 5m, 1h");
     app.add_option("--noise", o->noise, "stop where the relative standard error falls below this, such as 0.01")
-        ->check(finite)
+        ->check(finite_number())
         ->check(CLI::Range(1e-6, 1.0));
     app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
     app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")
@@ -354,7 +352,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--camera", o->camera, "one of the scene's cameras by name");
     app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');
     app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
-    app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite);
+    app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite_number());
     app.add_flag("--check", o->check, "compare the mean with the scene's \"expected\"; exit code 3 if it differs");
     return [o, &common] { return run(*o, common); };
 }

@@ -21,8 +21,8 @@ struct Options {
 };
 
 Result<int> run(const Options& o, const CommonOptions& common) {
-    const Result<const Accelerator*> accelerator = find_accelerator(o.trace.accelerator);
-    if (!accelerator) return accelerator.error();
+    if (const auto accelerator = find_accelerator(o.trace.accelerator); !accelerator)
+        return fail(accelerator.error(), exit_usage);
     // A bare model is traced as it is, without the ground that a picture of it would stand on.
     const bool is_scene = std::filesystem::path(o.input).extension() == ".json";
     const Result<Scene> scene = is_scene ? load_scene(o.input) : load_model(o.input);

@@ -13,13 +13,19 @@ const std::vector<DeviceInfo>& device_infos() {
     return rows;
 }
 
-Result<std::unique_ptr<Device>> make_device(const std::string& name) {
+Result<const DeviceInfo*> find_device(const std::string& name) {
     std::string available;
     for (const DeviceInfo& row : device_infos()) {
-        if (name == row.name) return row.make();
+        if (name == row.name) return &row;
         available += (available.empty() ? "" : ", ") + std::string(row.name);
     }
     return Error{fmt::format("unknown device '{}'; available: {}", name, available)};
+}
+
+Result<std::unique_ptr<Device>> make_device(const std::string& name) {
+    const Result<const DeviceInfo*> info = find_device(name);
+    if (!info) return info.error();
+    return (*info)->make();
 }
 
 }  // namespace spinel

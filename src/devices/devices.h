@@ -16,6 +16,9 @@ struct DeviceInfo {
     std::unique_ptr<Device> (*make)();
 };
 const std::vector<DeviceInfo>& device_infos();
+
+// By name, or an error that lists what there is.
+Result<const DeviceInfo*> find_device(const std::string& name);
 Result<std::unique_ptr<Device>> make_device(const std::string& name);
 
 }  // namespace spinel

@@ -26,20 +26,20 @@ const std::vector<IntegratorInfo>& integrator_infos() {
     return rows;
 }
 
+Result<const IntegratorInfo*> find_integrator(const std::string& name) {
+    std::string available;
+    for (const IntegratorInfo& row : integrator_infos()) {
+        if (name == row.name) return &row;
+        available += (available.empty() ? "" : ", ") + std::string(row.name);
+    }
+    return Error{fmt::format("unknown integrator '{}'; available: {}", name, available)};
+}
+
 namespace {
 
 constexpr std::uint32_t max_pass = 16;       // samples: how long an interrupt or a time limit may go unseen
 constexpr std::uint32_t trusted_after = 16;  // samples before a tile's estimate of its own noise is believed
 constexpr std::uint32_t unlimited = 1u << 30;
-
-Result<std::uint32_t> find_integrator(const std::string& name) {
-    std::string available;
-    for (const IntegratorInfo& row : integrator_infos()) {
-        if (name == row.name) return row.number;
-        available += (available.empty() ? "" : ", ") + std::string(row.name);
-    }
-    return Error{fmt::format("unknown integrator '{}'; available: {}", name, available)};
-}
 
 Result<Crop> checked_crop(Crop crop, ivec2 size) {
     if (crop.size() == ivec2(0)) return Crop{{0, 0}, size};
@@ -69,7 +69,7 @@ double tile_error(const FilmBuffer& film, int tile, double picture_mean) {
 
 Result<RenderResult> render(Device& device, const CompiledScene& scene, const RenderOptions& options,
                             const std::atomic<bool>& stop, const std::function<void(const RenderProgress&)>& report) {
-    const Result<std::uint32_t> integrator =
+    const Result<const IntegratorInfo*> integrator =
         find_integrator(options.integrator.empty() ? scene.integrator.name : options.integrator);
     if (!integrator) return integrator.error();
     const Result<Crop> crop = checked_crop(options.crop, scene.film.size);
@@ -88,7 +88,7 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     RenderPass pass;
     pass.settings = {options.seed, options.max_bounces == -2 ? scene.integrator.max_bounces : options.max_bounces,
                      options.clamp < 0 ? scene.integrator.clamp : float(options.clamp), 4};
-    pass.integrator = *integrator;
+    pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 
     const auto start = std::chrono::steady_clock::now();

@@ -50,4 +50,7 @@ struct IntegratorInfo {
 };
 const std::vector<IntegratorInfo>& integrator_infos();
 
+// By name, or an error that lists what there is.
+Result<const IntegratorInfo*> find_integrator(const std::string& name);
+
 }  // namespace spinel

@@ -1,6 +1,8 @@
 // What the program tells: help, version, `list` and `info`.
 
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 
 #include "cli/run_program.h"
@@ -16,7 +18,7 @@ TEST_F(CliInform, every_subcommand_has_an_example_in_its_help) {
     const Outcome all = run({"--help"});
     EXPECT_EQ(all.code, 0);
     EXPECT_EQ(all.err, "");
-    for (const std::string name : {"render", "info", "list", "trace"}) {
+    for (const std::string name : {"render", "info", "list", "trace", "compare"}) {
         SCOPED_TRACE(name);
         EXPECT_NE(all.out.find("\n  " + name + " "), std::string::npos) << all.out;
         const Outcome help = run({name, "--help"});
@@ -90,6 +92,35 @@ TEST_F(CliInform, info_tells_what_is_in_a_model_and_adds_nothing) {
     EXPECT_EQ(json["cameras"].size(), 0u);
     EXPECT_EQ(json["lights"], 0);
     EXPECT_EQ(json["bounds"]["upper"], Json({2, 3, 0}));
+}
+
+TEST_F(CliInform, list_puts_the_descriptions_under_each_other) {
+    for (const std::string kind : {"sdf", "accelerators", "materials"}) {
+        const Json json = Json::parse(run({"list", kind, "--json"}).out);
+        std::istringstream lines(run({"list", kind}).out);
+        std::set<std::size_t> columns;
+        std::string line;
+        for (const Json& row : json[kind]) {
+            ASSERT_TRUE(std::getline(lines, line));
+            const std::string name = row["name"], doc = row["doc"];
+            EXPECT_EQ(line.substr(0, name.size() + 2), name + "  ");
+            columns.insert(line.size() - doc.size());
+            EXPECT_TRUE(line.ends_with(doc)) << line;
+        }
+        EXPECT_EQ(columns.size(), 1u) << kind;
+    }
+}
+
+TEST_F(CliInform, info_prints_numbers_as_they_were_written_and_says_what_has_no_name) {
+    write("scene.json",
+          R"({"version": 1, "camera": {}, "objects": [{"geometry": {"type": "sphere", "radius": 0.3}}]})");
+    const Outcome text = run({"info", at("scene.json")});
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_NE(text.out.find("radius 0.3\n"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("cameras     1\n    (unnamed)\n"), std::string::npos) << text.out;
+    const std::string json = run({"info", at("scene.json"), "--json"}).out;
+    EXPECT_NE(json.find("\"radius\": 0.3\n"), std::string::npos) << json;
+    EXPECT_EQ(Json::parse(json)["bounds"]["upper"], Json({0.3, 0.3, 0.3}));
 }
 
 TEST_F(CliInform, info_goes_on_after_a_bad_file) {
