@@ -8,9 +8,9 @@
 
 #include "core/parallel.h"
 #include "devices/devices.h"
-#include "formats/load_scene.h"
 #include "render/render.h"
 #include "scene/compiled_scene.h"
+#include "spinel/formats.h"
 
 namespace spinel {
 namespace {

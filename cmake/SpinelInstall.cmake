@@ -7,7 +7,6 @@ include(CMakePackageConfigHelpers)
 set(room_headers
     core/result.h
     devices/devices.h
-    formats/load_scene.h
     image/image_io.h image/pixels.h image/tone_map.h
     kernels/constants.h kernels/materials/description.h kernels/path_settings.h kernels/pixel_sample.h kernels/portable.h kernels/ray.h kernels/scene_view.h
     render/device.h render/film.h render/render.h

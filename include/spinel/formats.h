@@ -1,7 +1,8 @@
 #pragma once
-// Files of 3D things. A model file becomes a scene fragment: geometries, materials, textures, grids and
-// media, with objects that place them; cameras and lights only where the file holds some. A fragment is a
-// valid part of a scene: the caller adds what is missing, or merges it into a scene of its own.
+// Files of 3D things. load_scene() gives what can be rendered. load_model() gives what a model file holds, a scene
+// fragment: geometries, materials, textures, grids and media, with objects that place them; cameras and lights only
+// where the file has some. A fragment is a valid part of a scene: the caller adds what is missing, or merges it into a
+// scene of its own.
 
 #include <filesystem>
 #include <span>
@@ -27,6 +28,11 @@ std::span<const Format> formats();
 
 // The format whose extension the file has (upper or lower case), or null.
 const Format* format_of(const std::filesystem::path& path);
+
+// A scene file (.json), or a model of any registered format: what can be rendered. A model gets a camera, sun, sky and
+// ground of its own; a scene file gets a camera if it has none, and nothing else. `size` (0, 0: the scene's film)
+// decides what a fitted camera must frame.
+Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size = {0, 0});
 
 Result<Scene> load_model(const std::filesystem::path& path);
 Result<void> save_model(const Scene& scene, const std::filesystem::path& path);

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "formats/load_scene.h"
 #include "image/pixels.h"
 #include "scene/complete.h"
 #include "scene/json_reader.h"

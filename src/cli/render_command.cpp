@@ -15,10 +15,10 @@
 #include "cli/progress.h"
 #include "core/parallel.h"
 #include "devices/devices.h"
-#include "formats/load_scene.h"
 #include "image/image_io.h"
 #include "render/render.h"
 #include "scene/compiled_scene.h"
+#include "spinel/formats.h"
 
 namespace spinel::cli {
 namespace {

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "formats/load_scene.h"
 #include "formats/npy.h"
 #include "scene/compiled_scene.h"
 #include "spinel/formats.h"

@@ -1,4 +1,4 @@
-#include "formats/load_scene.h"
+#include "spinel/formats.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include "scene/complete.h"
 #include "scene/json_reader.h"
 #include "scene/validate.h"
-#include "spinel/formats.h"
 
 namespace spinel {
 

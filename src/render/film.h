@@ -9,6 +9,7 @@
 #include "core/result.h"
 #include "image/image_io.h"
 #include "kernels/pixel_sample.h"
+#include "spinel/render.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -28,13 +29,6 @@ struct FilmPixel {
     bool add(const kernels::PixelSample& sample);
     // Variance of the mean luminance.
     double error_variance() const;
-};
-
-// Part of a picture: pixels [lower, upper), origin at the top left.
-struct Crop {
-    ivec2 lower = {0, 0};
-    ivec2 upper = {0, 0};
-    ivec2 size() const { return upper - lower; }
 };
 
 struct FilmBuffer {

@@ -6,10 +6,10 @@
 
 #include "core/parallel.h"
 #include "devices/devices.h"
-#include "formats/load_scene.h"
 #include "render/render.h"
 #include "scene/compiled_scene.h"
 #include "scene/json_reader.h"
+#include "spinel/formats.h"
 
 namespace spinel {
 namespace {

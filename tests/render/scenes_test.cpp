@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "devices/devices.h"
-#include "formats/load_scene.h"
 #include "render/render.h"
 #include "scene/compiled_scene.h"
+#include "spinel/formats.h"
 
 namespace spinel {
 namespace {
