@@ -112,8 +112,8 @@ TEST_F(CliInform, list_puts_the_descriptions_under_each_other) {
 }
 
 TEST_F(CliInform, info_prints_numbers_as_they_were_written_and_says_what_has_no_name) {
-    write("scene.json",
-          R"({"version": 1, "camera": {}, "objects": [{"geometry": {"type": "sphere", "radius": 0.3}}]})");
+    write("scene.json", R"({"version": 1, "camera": {}, "materials": {"m": {"type": "diffuse"}},
+        "objects": [{"geometry": {"type": "sphere", "radius": 0.3}, "material": "m"}]})");
     const Outcome text = run({"info", at("scene.json")});
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_NE(text.out.find("radius 0.3\n"), std::string::npos) << text.out;
