@@ -62,10 +62,11 @@ inline uint reverse_bits32(uint x) {
 }
 // Two at once for the price of one.
 inline glm::uvec2 reverse_bits32(glm::uvec2 v) {
+    constexpr std::uint64_t ones = ~std::uint64_t(0);  // glslc reads this too, and refuses literals of 64 bits
     std::uint64_t x = v.x | (std::uint64_t(v.y) << 32);
-    x = ((x >> 1) & 0x5555555555555555u) | ((x & 0x5555555555555555u) << 1);
-    x = ((x >> 2) & 0x3333333333333333u) | ((x & 0x3333333333333333u) << 2);
-    x = ((x >> 4) & 0x0f0f0f0f0f0f0f0fu) | ((x & 0x0f0f0f0f0f0f0f0fu) << 4);
+    x = ((x >> 1) & (ones / 3)) | ((x & (ones / 3)) << 1);
+    x = ((x >> 2) & (ones / 5)) | ((x & (ones / 5)) << 2);
+    x = ((x >> 4) & (ones / 17)) | ((x & (ones / 17)) << 4);
     x = __builtin_bswap64(x);  // and the halves change places
     return glm::uvec2(uint(x >> 32), uint(x));
 }
