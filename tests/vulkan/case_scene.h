@@ -117,7 +117,10 @@ class DeviceScene {
         move(view.nodes, scene.nodes);
         move(view.triangles, scene.triangles);
         move(view.triangle_infos, scene.triangle_infos);
-        move(view.attributes, scene.attributes);
+        move(view.normals, scene.normals);
+        move(view.uvs, scene.uvs);
+        move(view.tangents, scene.tangents);
+        move(view.colors, scene.colors);
         move(view.meshes, scene.meshes);
         move(view.voxel_grids, scene.voxel_grids);
         move(view.sdf_ops, scene.sdf_ops);
