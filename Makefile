@@ -52,7 +52,7 @@ lint: build
 	@tools/check-includes.py
 	@cmake --build --preset release -j $(JOBS) --target check_headers
 	@tools/format.sh --dry-run -Werror
-	@tools/clang-tidy.sh
+	@tools/clang-tidy.py $(JOBS)
 
 clean:
 	rm -rf build out

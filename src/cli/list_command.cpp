@@ -21,6 +21,7 @@ struct Entry {
 template <class Rows>
 std::vector<Entry> entries(const Rows& rows) {
     std::vector<Entry> list;
+    list.reserve(std::size(rows));
     for (const auto& row : rows) list.push_back({std::string(row.name), std::string(row.doc)});
     return list;
 }

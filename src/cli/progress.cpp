@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <cmath>
 #include <cstdio>
 
 namespace spinel::cli {
@@ -10,7 +11,7 @@ namespace spinel::cli {
 std::string duration_text(double seconds) {
     if (seconds < 10) return fmt::format("{:.1f}s", seconds);
     if (seconds < 60) return fmt::format("{:.0f}s", seconds);
-    const long whole = long(seconds + 0.5);
+    const long whole = std::lround(seconds);
     return whole < 3600 ? fmt::format("{}m{:02}s", whole / 60, whole % 60)
                         : fmt::format("{}h{:02}m", whole / 3600, whole / 60 % 60);
 }

@@ -128,7 +128,7 @@ Result<PixelBuffer> read(const std::string& name, OIIO::Filesystem::IOProxy* pro
 
 std::uint8_t to_byte(float value) {
     if (!(value > 0.0f)) return 0;  // also NaN
-    return static_cast<std::uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f);
+    return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
 }
 
 // Writes values of any channel layout that `spec` describes to a file beside `path`, then moves it there.
