@@ -1,6 +1,7 @@
 #!/bin/bash
-# Builds the fuzzers of tests/fuzz and runs each for some seconds: tools/run-fuzzers.sh [SECONDS] [JOBS].
-# What a fuzzer finds lies in build/fuzz/findings/; what it learns is kept in build/fuzz/corpus/ for the next run.
+# Builds the fuzzers of tests/fuzz and runs each for some seconds, JOBS at a time: tools/run-fuzzers.sh [SECONDS] [JOBS].
+# All of them run, whatever one finds. An input that crashes, takes 10 s or 2 GiB is a finding and lies in
+# build/fuzz/findings/; what a fuzzer learns is kept in build/fuzz/corpus/ for the next run, what it said in build/fuzz/logs/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-20}
@@ -12,14 +13,20 @@ if ! compgen -G 'tests/fuzz/*_fuzz.cpp' >/dev/null; then
 fi
 cmake --preset fuzz
 cmake --build --preset fuzz -j "$jobs" --target fuzzers
-mkdir -p build/fuzz/findings
-for source in tests/fuzz/*_fuzz.cpp; do
-    name=$(basename "$source" .cpp)
-    corpus="build/fuzz/corpus/$name"
-    mkdir -p "$corpus"
-    seeds=()
+
+run() {
+    local name=$1 seconds=$2
+    local corpus="build/fuzz/corpus/$name" log="build/fuzz/logs/$name.log" seeds=()
+    mkdir -p "$corpus" build/fuzz/findings build/fuzz/logs
     [ -d "tests/fuzz/${name%_fuzz}" ] && seeds=("tests/fuzz/${name%_fuzz}")
-    echo "run-fuzzers: $name for $seconds s"
-    build/fuzz/bin/"$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 \
-        -artifact_prefix="build/fuzz/findings/$name-" "$corpus" "${seeds[@]}"
-done
+    if build/fuzz/bin/"$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+        -artifact_prefix="build/fuzz/findings/$name-" "$corpus" "${seeds[@]}" >"$log" 2>&1; then
+        echo "run-fuzzers: $name: $(awk '/number_of_executed_units/ { print $2 }' "$log") inputs in $seconds s, no finding"
+    else
+        tail -n 60 "$log"
+        echo "run-fuzzers: $name: a finding, see $log"
+        return 1
+    fi
+}
+export -f run
+for source in tests/fuzz/*_fuzz.cpp; do basename "$source" .cpp; done | xargs -P "$jobs" -I{} bash -euo pipefail -c 'run {} '"$seconds"
