@@ -28,11 +28,13 @@ test: build
 	@cmake --build --preset release -j $(JOBS) --target check_headers
 	ctest --preset release
 
-test-all: test build/asan/build.ninja
+test-all: test build/asan/build.ninja build/tsan/build.ninja
 	ctest --preset release-slow
 	@cmake --build --preset asan -j $(JOBS)
 	ctest --preset asan
-	@if ls tests/fuzz/*_fuzz.cpp >/dev/null 2>&1; then $(MAKE) fuzz; fi
+	@cmake --build --preset tsan -j $(JOBS)
+	ctest --preset tsan
+	@$(MAKE) fuzz
 
 # Each fuzzer runs for FUZZ_SECONDS; a finding leaves its input in build/fuzz/ and fails the target.
 fuzz:

@@ -51,7 +51,7 @@ void expect_same_glass(const Picture& a, const Picture& b) {
     for (int k = 0; k < 3; ++k) {
         const double error = std::sqrt(ea.error[k] * ea.error[k] + eb.error[k] * eb.error[k]);
         EXPECT_NEAR(ea.mean[k], eb.mean[k], std::max(4 * error, 0.002 * eb.mean[k])) << "channel " << k;
-        EXPECT_LT(error, 0.01 * eb.mean[k]);
+        EXPECT_LT(error, more_noise * 0.01 * eb.mean[k]);
     }
     const Difference d = compare(a, b, 8);
     EXPECT_LT(d.chi_squared, 1.8);
