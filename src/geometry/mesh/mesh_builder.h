@@ -10,8 +10,8 @@
 namespace spinel {
 
 // Indices are relative: nodes to nodes, leaves to triangles, TriangleInfo::vertices to the user's vertices,
-// whose attributes are used as they are. Triangles and infos stand in leaf order. A triangle whose area vanishes in single precision is left out: it has no
-// normal, and nothing hits it. If none is left, nodes and triangles are empty.
+// whose attributes are used as they are. Triangles and infos stand in leaf order. A triangle whose area vanishes in
+// single precision is left out: it has no normal, and nothing hits it. If none is left, nodes and triangles are empty.
 struct MeshData {
     std::vector<kernels::BvhNode> nodes;
     std::vector<kernels::Triangle> triangles;
