@@ -25,7 +25,7 @@ static_assert(sizeof(TraceRay) == 8 * 4);
 struct TraceHit {
     float t;
     std::uint32_t instance;
-    std::uint32_t primitive;  // mesh: the triangle in the user's order; voxels: linear cell index; box: face; else 0
+    std::uint32_t primitive;  // mesh: the triangle in the user's order; voxels: palette index; box: face; else 0
     float u, v;        // mesh: barycentric weights of vertices 1 and 2; voxels, box, rectangle: place on the face
     float nx, ny, nz;  // geometric unit normal in world space, outwards
     std::int32_t ix, iy, iz;  // voxels: the cell, else 0

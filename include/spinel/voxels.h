@@ -138,4 +138,7 @@ struct VoxelFunction {
 Result<VoxelTreePointer> build_voxel_tree(ivec3 size, const VoxelFunction& function,
                                           const VoxelTreeOptions& options = {});
 
+// The same set with equal subtrees kept once.
+VoxelTreePointer with_shared_subtrees(const VoxelTree& tree);
+
 }  // namespace spinel

@@ -46,7 +46,7 @@ FN vec2 mesh_uv(const_in(SceneView) scene, const_in(Mesh) mesh, uvec3 vertices, 
 FN vec2 light_uv(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
     if (light.kind != LIGHT_TRIANGLE) return b;
     RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
-    uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.primitive].vertices;
+    uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.key.x].vertices;
     return mesh_uv(scene, mesh, v, vec3(1.0f - b.x - b.y, b.x, b.y));
 }
 
@@ -162,18 +162,19 @@ FN LightSample sample_light(const_in(SceneView) scene, vec3 from, float u_light,
 }
 
 // The light of an instance's emitting primitive; NONE if next-event estimation never chooses it. Lights of an instance
-// are sorted by primitive.
-FN uint light_of_primitive(const_in(SceneView) scene, const_in(Instance) instance, uint key) {
+// are sorted by key, the second word first.
+FN uint light_of_primitive(const_in(SceneView) scene, const_in(Instance) instance, uvec2 key) {
     if (instance.light_first == NONE || instance.light_count == 0u) return NONE;
     uint lo = 0u;
     uint hi = instance.light_count;
     while (hi - lo > 1u) {  // ends: the interval halves
         uint mid = (lo + hi) / 2u;
-        if (scene.lights.at[instance.light_first + mid].primitive <= key) lo = mid;
+        uvec2 there = scene.lights.at[instance.light_first + mid].key;
+        if (there.y < key.y || (there.y == key.y && there.x <= key.x)) lo = mid;
         else hi = mid;
     }
     uint index = instance.light_first + lo;
-    return scene.lights.at[index].primitive == key ? index : NONE;
+    return scene.lights.at[index].key == key ? index : NONE;
 }
 
 // Density with which sample_light(from) would have found a point of an emissive surface, `distance` along `direction`.

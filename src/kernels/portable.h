@@ -53,6 +53,9 @@ inline uint trailing_zeros64(mask64 x) { return static_cast<uint>(std::countr_ze
 inline bool mask64_bit(mask64 m, uint i) { return ((m >> i) & 1u) != 0; }
 // Bits below i, for rank queries: i in [0, 63].
 inline mask64 mask64_below(mask64 m, uint i) { return m & ((mask64(1) << i) - 1); }
+inline mask64 make_mask64(uint low, uint high) { return low | mask64(high) << 32; }
+inline uint mask64_low(mask64 m) { return static_cast<uint>(m); }
+inline mask64 mask64_shift_right(mask64 m, uint i) { return m >> i; }  // i in [0, 63]
 inline uint leading_zeros32(uint x) { return static_cast<uint>(std::countl_zero(x)); }
 inline uint reverse_bits32(uint x) {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
@@ -97,6 +100,12 @@ FN uint trailing_zeros64(mask64 x) {
 FN bool mask64_bit(mask64 m, uint i) { return (((i < 32u ? m.x : m.y) >> (i & 31u)) & 1u) != 0u; }
 FN mask64 mask64_below(mask64 m, uint i) {
     return i < 32u ? uvec2(m.x & ((1u << i) - 1u), 0u) : uvec2(m.x, m.y & ((1u << (i - 32u)) - 1u));
+}
+FN mask64 make_mask64(uint low, uint high) { return uvec2(low, high); }
+FN uint mask64_low(mask64 m) { return m.x; }
+FN mask64 mask64_shift_right(mask64 m, uint i) {
+    if (i >= 32u) return uvec2(m.y >> (i - 32u), 0u);
+    return i == 0u ? m : uvec2((m.x >> i) | (m.y << (32u - i)), m.y >> i);
 }
 FN uint leading_zeros32(uint x) { return x == 0u ? 32u : 31u - uint(findMSB(x)); }
 FN uint reverse_bits32(uint x) { return bitfieldReverse(x); }

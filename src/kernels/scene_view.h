@@ -68,11 +68,17 @@ struct VoxelNode {
     uint link;
 };
 
+BUFFER(VoxelNodes, VoxelNode)
+
 // Voxels. Cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) and holds a palette index; 0 is empty space.
-// Palette index p uses material slot p − 1 of the instance.
+// Palette index p uses material slot p − 1 of the instance. Links of nodes are relative to what stands here.
 struct VoxelGrid {
     ivec3 size;
-    uint word_first;  // four cells to a word, little end first, x fastest, then y, then z; into SceneView::words
+    uint level_count;  // the root is 4^level_count cells wide
+    VoxelNode root;
+    uint node_first;
+    uint reference_first;  // into SceneView::words; NONE: children stand in a row
+    uint palette_first;    // into SceneView::words
 };
 BUFFER(VoxelGrids, VoxelGrid)
 
@@ -232,7 +238,7 @@ const uint LIGHT_SPHERE = 6u;
 struct Light {
     uint kind;
     uint instance;   // of an emissive surface, else NONE
-    uint primitive;  // triangle in the BVH's order, or box face; voxels: linear cell index · 6 + face
+    uvec2 key;       // its primitive: triangle in the BVH's order, or box face; voxels: voxel_light_key()
     uint material;   // whose emission it sends, NONE: radiance below
     vec3 position;   // point, spot; a corner; the sphere's centre
     vec3 u;          // edges from the corner (triangle: to vertices 1 and 2)
@@ -302,6 +308,7 @@ struct SceneView {
     Vec4s colors;
     Meshes meshes;
     VoxelGrids voxel_grids;
+    VoxelNodes voxel_nodes;
     SdfOps sdf_ops;
     Sdfs sdfs;
     Interiors interiors;

@@ -25,7 +25,7 @@ struct Surface {
     bool entering;  // the ray runs against the outward normal
     bool contact;   // another surface may be in the same place: see boundary.h
     uint instance;
-    uint light_key;  // for light_of_primitive
+    uvec2 light_key;  // for light_of_primitive
 };
 
 FN bool in_contact(const_in(Instance) instance, vec3 p) {
@@ -36,12 +36,6 @@ FN bool in_contact(const_in(Instance) instance, vec3 p) {
 }
 
 FN vec3 rotate_normal(const_in(Instance) instance, vec3 n) { return n * mat3(instance.world_to_object); }
-
-// Palette index of a cell; 0, empty, outside the grid.
-FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
-    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= grid.size.x || c.y >= grid.size.y || c.z >= grid.size.z) return 0u;
-    return voxel_palette(scene, grid.word_first, voxel_linear(grid.size, c));
-}
 
 // Which of two voxels that are not opaque lends its material to the face between them, whatever side a ray comes from.
 FN bool voxel_owns(const_in(SceneView) scene, uint slot_first, uint palette, uint other) {
@@ -60,7 +54,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     s.tangent = vec3(0.0f);
     s.bitangent_sign = 1.0f;
     s.uv = hit.uv;
-    s.light_key = hit.primitive;
+    s.light_key = uvec2(hit.primitive, 0u);
     vec3 local = instance.world_to_object * vec4(ray_at(ray, hit.t), 1.0f);
     vec3 local_direction = instance.world_to_object * vec4(ray.direction, 0.0f);
     vec3 outward = hit.normal;
@@ -109,21 +103,21 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         extent = max_component(vec3(grid.size));
         ivec3 neighbour = hit.cell;
         neighbour[axis] += positive ? 1 : -1;
-        uint owner = voxel_at(scene, grid, hit.cell);
+        uint owner = hit.primitive;
         other = voxel_at(scene, grid, neighbour);
-        s.light_key = hit.primitive * 6u + hit.face;
+        s.light_key = voxel_light_key(hit.cell, hit.face);
         if (other != 0u && !voxel_owns(scene, instance.slot_first, owner, other)) {
             uint exchanged = owner;
             owner = other;
             other = exchanged;
             outward = -outward;
-            s.light_key = voxel_linear(grid.size, neighbour) * 6u + (hit.face ^ 1u);
+            s.light_key = voxel_light_key(neighbour, hit.face ^ 1u);
         }
         slot += owner - 1u;
     } else if (instance.geometry_kind == GEOMETRY_SDF) {
         RECORD(Sdf) sdf = scene.sdfs.at[instance.geometry];
         extent = max_component(max(abs(sdf.lower), abs(sdf.upper)));
-        s.light_key = NONE;
+        s.light_key = uvec2(NONE);
     } else if (instance.geometry_kind == GEOMETRY_SPHERE) {
         local = normalize(local);
         extent = 1.0f;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/sdf.h"
+#include "kernels/voxels.h"
 
 namespace spinel {
 namespace {
@@ -81,13 +82,7 @@ struct Matter {
 
 Matter matter_at(const SceneView& scene, const kernels::VoxelGrid& grid, std::uint32_t slot_first,
                  const glm::ivec3& cell) {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (cell[axis] < 0 || cell[axis] >= grid.size[axis]) return {};
-    }
-    const std::size_t i =
-        std::size_t(cell.x) +
-        std::size_t(grid.size.x) * (std::size_t(cell.y) + std::size_t(grid.size.y) * std::size_t(cell.z));
-    const std::uint32_t palette = (scene.words.at[grid.word_first + i / 4] >> (8 * (i % 4))) & 255u;
+    const std::uint32_t palette = kernels::voxel_at(scene, grid, cell);
     if (palette == 0) return {};
     const kernels::Slot slot = scene.slots.at[slot_first + palette - 1];
     return {.opaque = slot.interior == kernels::NONE && slot.material != kernels::NONE, .interior = slot.interior};
@@ -113,11 +108,8 @@ MaybeHit hit_voxels(const SceneView& scene, const kernels::VoxelGrid& grid, std:
     const auto cell_between = [&](double t0, double t1) { return glm::ivec3(glm::floor(ray.at(0.5 * (t0 + t1)))); };
     const auto place = [&](double t, const glm::ivec3& owner, int axis, bool positive) {
         const glm::dvec3 p = glm::clamp(ray.at(t) - dvec3(owner), 0.0, 1.0);
-        const auto linear =
-            std::uint32_t(owner.x) +
-            std::uint32_t(grid.size.x) * (std::uint32_t(owner.y) + std::uint32_t(grid.size.y) * std::uint32_t(owner.z));
         return LocalHit{.t = t,
-                        .primitive = linear,
+                        .primitive = kernels::voxel_at(scene, grid, owner),
                         .face = std::uint32_t(2 * axis + (positive ? 1 : 0)),
                         .uv = {p[(axis + 1) % 3], p[(axis + 2) % 3]},
                         .cell = owner,

@@ -40,10 +40,7 @@ std::uint32_t material_slot(const SceneView& scene, const Hit& hit) {
             const kernels::Mesh& mesh = scene.meshes.at[instance.geometry];
             return scene.triangle_infos.at[mesh.triangle_first + hit.primitive].slot;
         }
-        case kernels::GEOMETRY_VOXELS: {
-            const kernels::uint words = scene.voxel_grids.at[instance.geometry].word_first;
-            return kernels::voxel_palette(scene, words, hit.primitive) - 1u;
-        }
+        case kernels::GEOMETRY_VOXELS: return hit.primitive - 1u;
         default: return 0;
     }
 }

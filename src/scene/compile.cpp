@@ -49,6 +49,7 @@ kernels::SceneView CompiledScene::view() const {
     v.colors.at = colors.data();
     v.meshes.at = meshes.data();
     v.voxel_grids.at = voxel_grids.data();
+    v.voxel_nodes.at = voxel_nodes.data();
     v.sdf_ops.at = sdf_ops.data();
     v.sdfs.at = sdfs.data();
     v.interiors.at = interiors.data();
@@ -136,14 +137,10 @@ struct ShapeBuilder {
         return shape;
     }
     Result<Shape> operator()(const VoxelGeometry& voxels) const {
-        Result<VoxelData> data = build_voxels(voxels);
-        if (!data) return fail(data.error());
         Shape shape;
         shape.kind = kernels::GEOMETRY_VOXELS;
         shape.index = uint(c.out.voxel_grids.size());
-        data->grid.word_first = uint(c.out.words.size());
-        c.out.voxel_grids.push_back(data->grid);
-        append(c.out.words, data->words);
+        c.out.voxel_grids.push_back(append_voxels(*voxels.tree, c.out.voxel_nodes, c.out.words));
         shape.upper = vec3(voxels.tree->size());
         return shape;
     }

@@ -109,7 +109,8 @@ void add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool s
     if (!(total > 0)) return;
     kernels::Light light = {};
     light.kind = kernels::LIGHT_ENVIRONMENT;
-    light.instance = light.primitive = light.material = NONE;
+    light.instance = light.material = NONE;
+    light.key = kernels::uvec2(NONE);
     light.radiance = vec3(float(total / (2.0 * map.width)));  // mean
     e.light = uint(out.lights.size());
     out.lights.push_back(light);
@@ -125,7 +126,8 @@ void add_sky(Compilation& c, const SkyEnvironment& sky) {
     if (kernels::is_black(irradiance)) return;
     kernels::Light light = {};
     light.kind = kernels::LIGHT_DIRECTIONAL;
-    light.instance = light.primitive = light.material = NONE;
+    light.instance = light.material = NONE;
+    light.key = kernels::uvec2(NONE);
     light.direction = -to_sun;
     light.radius = glm::radians(sky.sun_angular_radius);
     light.radiance = light.radius > 0 ? irradiance / (kernels::PI * kernels::sqr(std::sin(light.radius))) : irradiance;

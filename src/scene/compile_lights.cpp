@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/light.h"
 #include "kernels/surface.h"
@@ -14,7 +15,8 @@ using kernels::uint;
 kernels::Light blank_light(uint kind) {
     kernels::Light light = {};
     light.kind = kind;
-    light.instance = light.primitive = light.material = NONE;
+    light.instance = light.material = NONE;
+    light.key = kernels::uvec2(NONE);
     return light;
 }
 
@@ -26,12 +28,12 @@ bool emits(const CompiledScene& out, uint material) {
 }
 
 // A flat emitter from its corner and edges in local space; `outward` is its normal there.
-kernels::Light flat_light(const CompiledScene& out, uint kind, uint instance, uint primitive, uint material,
+kernels::Light flat_light(const CompiledScene& out, uint kind, uint instance, kernels::uvec2 key, uint material,
                           vec3 corner, vec3 u, vec3 v, vec3 outward) {
     const kernels::Instance& placed = out.instances[instance];
     kernels::Light light = blank_light(kind);
     light.instance = instance;
-    light.primitive = primitive;
+    light.key = key;
     light.material = material;
     light.position = point(placed.object_to_world, corner);
     light.u = direction(placed.object_to_world, u);
@@ -51,7 +53,7 @@ void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint in
         const uint material = out.slots[placed.slot_first + out.triangle_infos[mesh.triangle_first + i].slot].material;
         if (!emits(out, material)) continue;
         const kernels::Triangle& t = out.triangles[mesh.triangle_first + i];
-        kernels::Light light = flat_light(out, kernels::LIGHT_TRIANGLE, instance, i, material, t.a, t.b - t.a,
+        kernels::Light light = flat_light(out, kernels::LIGHT_TRIANGLE, instance, {i, 0}, material, t.a, t.b - t.a,
                                           t.c - t.a, glm::cross(t.b - t.a, t.c - t.a));
         if (!(light.area > 0)) continue;
         if (out.materials[material].emission_texture != NONE) {
@@ -68,37 +70,41 @@ void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint in
     }
 }
 
-void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, uint instance) {
+void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, const VoxelTree& tree, uint instance) {
     const kernels::Instance placed = out.instances[instance];
-    const kernels::VoxelGrid grid = out.voxel_grids[placed.geometry];
     const auto slot_of = [&](uint palette) { return out.slots[placed.slot_first + palette - 1]; };
-    uint linear = 0;
-    for (int z = 0; z < grid.size.z; ++z)
-        for (int y = 0; y < grid.size.y; ++y)
-            for (int x = 0; x < grid.size.x; ++x, ++linear) {
-                const ivec3 cell(x, y, z);
-                const uint palette = kernels::voxel_at(view, grid, cell);
-                if (palette == 0 || !emits(out, slot_of(palette).material)) continue;
-                for (uint face = 0; face < 6; ++face) {
-                    const int axis = int(face >> 1);
-                    ivec3 neighbour = cell;
-                    neighbour[axis] += (face & 1) ? 1 : -1;
-                    const uint across = kernels::voxel_at(view, grid, neighbour);
-                    // Nothing reaches a face between two opaque cells, and equal media have none.
-                    const uint there = kernels::voxel_class(view, placed.slot_first, across);
-                    if (there == kernels::VOXEL_OPAQUE ||
-                        there == kernels::voxel_class(view, placed.slot_first, palette))
-                        continue;
-                    if (across != 0 && !kernels::voxel_owns(view, placed.slot_first, palette, across)) continue;
-                    vec3 corner(cell), u(0), v(0), normal(0);
-                    if (face & 1) corner[axis] += 1;
-                    u[(axis + 1) % 3] = 1;
-                    v[(axis + 2) % 3] = 1;
-                    normal[axis] = (face & 1) ? 1.0f : -1.0f;
-                    out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, instance, linear * 6 + face,
-                                                    slot_of(palette).material, corner, u, v, normal));
-                }
-            }
+    const std::size_t first = out.lights.size();
+    const auto add_faces = [&](ivec3 cell, std::uint16_t palette) {
+        for (uint face = 0; face < 6; ++face) {
+            const int axis = int(face >> 1);
+            ivec3 neighbour = cell;
+            neighbour[axis] += (face & 1) ? 1 : -1;
+            const uint across = tree.at(neighbour);
+            // Nothing reaches a face between two opaque cells, and equal media have none.
+            const uint there = kernels::voxel_class(view, placed.slot_first, across);
+            if (there == kernels::VOXEL_OPAQUE || there == kernels::voxel_class(view, placed.slot_first, palette))
+                continue;
+            if (across != 0 && !kernels::voxel_owns(view, placed.slot_first, palette, across)) continue;
+            vec3 corner(cell), u(0), v(0), normal(0);
+            if (face & 1) corner[axis] += 1;
+            u[(axis + 1) % 3] = 1;
+            v[(axis + 2) % 3] = 1;
+            normal[axis] = (face & 1) ? 1.0f : -1.0f;
+            out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, instance,
+                                            kernels::voxel_light_key(cell, face), slot_of(palette).material, corner, u,
+                                            v, normal));
+        }
+    };
+    tree.for_each_cube([&](ivec3 lower, int edge, std::uint16_t palette) {
+        if (!emits(out, slot_of(palette).material)) return;
+        for (int z = 0; z < edge; ++z)
+            for (int y = 0; y < edge; ++y)
+                for (int x = 0; x < edge; ++x) add_faces(lower + ivec3(x, y, z), palette);
+    });
+    std::sort(out.lights.begin() + std::ptrdiff_t(first), out.lights.end(),
+              [](const kernels::Light& a, const kernels::Light& b) {
+                  return std::pair(a.key.y, a.key.x) < std::pair(b.key.y, b.key.x);
+              });
 }
 
 void add_box_lights(CompiledScene& out, uint instance, uint material) {
@@ -110,7 +116,7 @@ void add_box_lights(CompiledScene& out, uint instance, uint material) {
         v[(axis + 2) % 3] = 2;
         normal[axis] = (face & 1) ? 1.0f : -1.0f;
         out.lights.push_back(
-            flat_light(out, kernels::LIGHT_PARALLELOGRAM, instance, face, material, corner, u, v, normal));
+            flat_light(out, kernels::LIGHT_PARALLELOGRAM, instance, {face, 0}, material, corner, u, v, normal));
     }
 }
 
@@ -118,7 +124,7 @@ void add_sphere_light(CompiledScene& out, uint instance, uint material) {
     const kernels::Instance& placed = out.instances[instance];
     kernels::Light light = blank_light(kernels::LIGHT_SPHERE);
     light.instance = instance;
-    light.primitive = 0;
+    light.key = kernels::uvec2(0);
     light.material = material;
     light.position = placed.object_to_world[3];
     light.radius = glm::length(placed.object_to_world[0]);
@@ -201,6 +207,7 @@ void add_surface_lights(Compilation& c) {
     CompiledScene& out = c.out;
     const kernels::SceneView view = out.view();  // of what emits; the lights, which grow, are not looked at
     for (uint i = 0; i < out.instances.size(); ++i) {
+        const Geometry& geometry = c.scene.geometries[std::size_t(c.scene.objects[i].geometry)];
         const Compilation::Shape& shape = c.shapes[std::size_t(c.scene.objects[i].geometry)];
         bool any = false;
         for (std::size_t s = 0; s < shape.slot_count; ++s)
@@ -211,7 +218,9 @@ void add_surface_lights(Compilation& c) {
         const uint material = out.slots[placed.slot_first].material;
         switch (placed.geometry_kind) {
             case kernels::GEOMETRY_MESH: add_mesh_lights(out, view, i); break;
-            case kernels::GEOMETRY_VOXELS: add_voxel_lights(out, view, i); break;
+            case kernels::GEOMETRY_VOXELS: 
+                add_voxel_lights(out, view, *std::get<VoxelGeometry>(geometry.data).tree, i);
+                break;
             case kernels::GEOMETRY_SPHERE:
                 // A sphere that is stretched or textured is found by following paths alone.
                 if (is_similarity(placed.object_to_world) && out.materials[material].emission_texture == NONE &&
@@ -220,7 +229,7 @@ void add_surface_lights(Compilation& c) {
                 break;
             case kernels::GEOMETRY_BOX: add_box_lights(out, i, material); break;
             case kernels::GEOMETRY_RECTANGLE:
-                out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, i, 0, material, {-1, 0, 1},
+                out.lights.push_back(flat_light(out, kernels::LIGHT_PARALLELOGRAM, i, {0, 0}, material, {-1, 0, 1},
                                                 {2, 0, 0}, {0, 0, -2}, {0, 1, 0}));
                 break;
             default: break;  // planes have no area, SDFs no parametrisation: found by following paths

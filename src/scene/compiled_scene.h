@@ -25,6 +25,7 @@ struct CompiledScene {
     std::vector<vec4> colors;
     std::vector<kernels::Mesh> meshes;
     std::vector<kernels::VoxelGrid> voxel_grids;
+    std::vector<kernels::VoxelNode> voxel_nodes;
     std::vector<kernels::SdfOp> sdf_ops;
     std::vector<kernels::Sdf> sdfs;
     std::vector<kernels::Interior> interiors;

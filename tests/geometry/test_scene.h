@@ -49,11 +49,7 @@ class TestScene {
         return count(meshes_) - 1;
     }
     std::uint32_t add(const VoxelGeometry& voxels) {
-        auto built = build_voxels(voxels);
-        if (!built) throw std::runtime_error(built.error().message);
-        built->grid.word_first = count(words_);
-        grids_.push_back(built->grid);
-        append(words_, built->words);
+        grids_.push_back(append_voxels(*voxels.tree, voxel_nodes_, words_));
         return count(grids_) - 1;
     }
     // A sphere as an implicit surface.
@@ -104,6 +100,7 @@ class TestScene {
         view_.triangle_infos.at = infos_.data();
         view_.meshes.at = meshes_.data();
         view_.voxel_grids.at = grids_.data();
+        view_.voxel_nodes.at = voxel_nodes_.data();
         view_.sdf_ops.at = ops_.data();
         view_.sdfs.at = sdfs_.data();
         view_.words.at = words_.data();
@@ -153,6 +150,7 @@ class TestScene {
     std::vector<kernels::Mesh> meshes_;
     std::vector<Box> mesh_bounds_;
     std::vector<kernels::VoxelGrid> grids_;
+    std::vector<kernels::VoxelNode> voxel_nodes_;
     std::vector<kernels::SdfOp> ops_;
     std::vector<kernels::Sdf> sdfs_;
     kernels::SceneView view_ = {};

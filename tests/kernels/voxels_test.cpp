@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "devices/cpu/voxel_walk.h"
 #include "geometry/test_scene.h"
+#include "geometry/voxels/dense_walk.h"
+#include "kernels/traverse.h"
 #include "render/reference.h"
 
 namespace spinel {
@@ -75,11 +80,12 @@ TEST(VoxelWalk, glass_in_water_has_one_interface) {
     const std::vector<Hit> hits = all_hits(parts.view(), ray(vec3(-1, 0.25f, 0.5f), vec3(1, 0, -0.0f)));
     ASSERT_EQ(hits.size(), 4u);
     const int cells[] = {0, 2, 4, 4};  // the owner is what is entered; into air, what is left
+    const std::uint32_t palettes[] = {4, 2, 4, 4};
     const float ts[] = {1, 3, 5, 6};
     const float normals[] = {-1, -1, -1, 1};
     for (std::size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(hits[i].cell, ivec3(cells[i], 0, 0));
-        EXPECT_EQ(hits[i].primitive, std::uint32_t(cells[i]));
+        EXPECT_EQ(hits[i].primitive, palettes[i]);
         EXPECT_EQ(hits[i].t, ts[i]);
         EXPECT_EQ(hits[i].normal, vec3(normals[i], 0, 0));
         EXPECT_EQ(hits[i].face, normals[i] > 0 ? 1u : 0u);
@@ -211,6 +217,232 @@ TEST(VoxelWalk, no_ray_leaves_a_closed_room) {
         const vec3 p = kernels::ray_at(r, hit.t);
         ASSERT_NEAR(kernels::max_component(glm::abs(p - vec3(8))), 7, 1e-4) << describe(r);
     }
+}
+
+// ------------------------------------------------------------------------------------------- the tree and plain walks
+// Sets of several levels: blocks of one palette index, single cells, and much that is empty.
+VoxelGeometry random_set(Random& random, int largest_edge, bool share) {
+    const auto below = [&] { return int(1 + random.below(std::uint32_t(largest_edge))); };
+    const ivec3 size(below(), below(), below());
+    const int block = 1 << random.below(6);
+    const std::uint32_t density = 1 + random.below(8), seed = random.below(1u << 30), noise = random.below(100);
+    std::vector<std::uint16_t> cells;
+    for (int z = 0; z < size.z; ++z)
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x) {
+                const std::uint32_t h = (std::uint32_t(x / block) * 73856093u ^ std::uint32_t(y / block) * 19349663u ^
+                                         std::uint32_t(z / block) * 83492791u ^ seed) *
+                                        2654435761u;
+                std::uint32_t palette = (h >> 8) % 24 < density ? 1 + (h >> 16) % 6 : 0;
+                if (noise < 50 && random.below(300) == 0) palette = random.below(7);
+                cells.push_back(std::uint16_t(palette));
+            }
+    Result<VoxelTreePointer> tree = build_voxel_tree(size, cells, {.share = share});
+    return {*tree};
+}
+
+// Random and adversarial: from inside and outside, parallel to axes and planes, along edges, through corners.
+kernels::Ray awkward_ray(Random& random, ivec3 set_size, int kind) {
+    const vec3 size(set_size);
+    for (;;) {
+        vec3 origin = 0.5f * size + random.in_cube() * size * (kind % 2 ? 0.5f : 1.5f);
+        if (kind % 5 == 0) origin = glm::round(origin);
+        vec3 direction = random.awkward_direction() * std::exp(random.uniform(-5, 5));
+        if (kind % 7 == 0) direction = glm::round(0.5f * size + random.in_cube() * size) - origin;
+        if (kind % 13 == 0) direction = glm::round(random.in_cube(3));
+        if (kernels::is_black(direction)) continue;
+        return ray(origin, direction, kind % 3 ? 0.0f : random.uniform(0, 1) / glm::length(direction));
+    }
+}
+
+void expect_equals_the_plain_walk(int ray_count, std::uint32_t seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    int hits = 0, rays = 0;
+    for (int round = 0; rays < ray_count; ++round) {
+        const VoxelGeometry set = random_set(random, 90, round % 2);
+        const DenseVoxels dense = dense_voxels(*set.tree);
+        TestScene parts;
+        parts.add(set);
+        parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);
+        const kernels::SceneView& scene = parts.view();
+        for (int i = 0; i < 10000; ++i, ++rays) {
+            kernels::Ray r = awkward_ray(random, set.tree->size(), i);
+            if (i % 4 == 0) r.t_max = random.uniform(0, 100) / glm::length(r.direction);
+            if (i % 17 == 0) r.origin *= std::exp(random.uniform(0, 8));
+            const Hit hit = closest(scene, r);
+            Hit expected = kernels::no_hit(r.t_max);
+            dense_closest(scene, dense, 0, r, expected);
+            hits += kernels::is_hit(hit);
+            ASSERT_EQ(hit.t, expected.t) << describe(r);
+            ASSERT_EQ(hit.cell, expected.cell) << describe(r);
+            ASSERT_EQ(hit.face, expected.face) << describe(r);
+            ASSERT_EQ(hit.primitive, expected.primitive) << describe(r);
+            ASSERT_EQ(hit.uv, expected.uv) << describe(r);
+            Hit fast = kernels::no_hit(r.t_max);
+            cpu_voxels_closest(scene, 0, 0, r, fast);
+            ASSERT_EQ(fast.t, hit.t) << describe(r);
+            ASSERT_EQ(fast.cell, hit.cell) << describe(r);
+            ASSERT_EQ(fast.face, hit.face) << describe(r);
+            ASSERT_EQ(fast.primitive, hit.primitive) << describe(r);
+        }
+    }
+    EXPECT_GT(hits, ray_count / 10);
+}
+
+// The same walk in double precision, cell by cell.
+struct ExactHit {
+    double t;  // infinity: none
+    ivec3 cell = {0, 0, 0};
+    std::uint32_t face = 0;
+};
+ExactHit exact_hit(const kernels::SceneView& scene, const DenseVoxels& grid, glm::dvec3 o, glm::dvec3 d, double t_min) {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    const auto palette_at = [&](ivec3 c) -> std::uint32_t {
+        for (int axis = 0; axis < 3; ++axis)
+            if (c[axis] < 0 || c[axis] >= grid.size[axis]) return 0;
+        return grid.cells[std::size_t(c.x) +
+                          std::size_t(grid.size.x) * (std::size_t(c.y) + std::size_t(grid.size.y) * std::size_t(c.z))];
+    };
+    double enter = t_min, leave = never;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (d[axis] == 0) {
+            if (o[axis] < 0 || o[axis] >= grid.size[axis]) return {never};
+            continue;
+        }
+        const double t0 = -o[axis] / d[axis], t1 = (grid.size[axis] - o[axis]) / d[axis];
+        enter = std::max(enter, std::min(t0, t1));
+        leave = std::min(leave, std::max(t0, t1));
+    }
+    if (!(enter < leave)) return {never};
+    ivec3 cell(0);
+    int last_axis = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (enter > t_min && d[axis] != 0 && (d[axis] > 0 ? -o[axis] : grid.size[axis] - o[axis]) / d[axis] == enter)
+            last_axis = axis;
+        const double p = o[axis] + enter * d[axis];
+        cell[axis] = d[axis] < 0 && p == std::floor(p) ? int(p) - 1 : int(std::floor(p));
+        cell[axis] = std::clamp(cell[axis], 0, grid.size[axis] - 1);
+    }
+    std::uint32_t palette = palette_at(cell), medium = kernels::voxel_class(scene, 0, palette);
+    if (last_axis >= 0 && medium != kernels::VOXEL_AIR)
+        return {enter, cell, std::uint32_t(2 * last_axis + (d[last_axis] < 0))};
+    if (last_axis < 0 && medium == kernels::VOXEL_OPAQUE) {
+        const glm::dvec3 m = glm::abs(d);
+        const int axis = m.x >= m.y && m.x >= m.z ? 0 : m.y >= m.z ? 1 : 2;
+        return {t_min, cell, std::uint32_t(2 * axis + (d[axis] < 0))};
+    }
+    for (;;) {
+        int axis = -1;
+        double t = never;
+        for (int a = 0; a < 3; ++a) {
+            if (d[a] == 0) continue;
+            const double plane = (cell[a] + (d[a] > 0 ? 1 : 0) - o[a]) / d[a];
+            if (plane < t) t = plane, axis = a;
+        }
+        const ivec3 left = cell;
+        cell[axis] += d[axis] > 0 ? 1 : -1;
+        palette = palette_at(cell);
+        const std::uint32_t entered = kernels::voxel_class(scene, 0, palette);
+        if (entered != medium) {
+            const bool out = entered == kernels::VOXEL_AIR;
+            return {t, out ? left : cell, std::uint32_t(2 * axis + (out == (d[axis] > 0)))};
+        }
+        if (cell[axis] < 0 || cell[axis] >= grid.size[axis]) return {never};
+    }
+}
+
+void expect_equals_the_exact_walk(int ray_count, std::uint32_t seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    int hits = 0, ties = 0, rays = 0;
+    for (int round = 0; rays < ray_count; ++round) {
+        const VoxelGeometry set = random_set(random, 120, round % 2);
+        const DenseVoxels dense = dense_voxels(*set.tree);
+        TestScene parts;
+        parts.add(set);
+        // Far from the world's origin; the ray is carried into local space once, for both.
+        parts.place(kernels::GEOMETRY_VOXELS, 0, affine(glm::mat3(1), vec3(1e6f, -1e6f, 2e6f)), SLOTS);
+        const kernels::SceneView& scene = parts.view();
+        for (int i = 0; i < 10000; ++i, ++rays) {
+            kernels::Ray r = awkward_ray(random, set.tree->size(), i);
+            if (i % 4 == 0) {
+                r.origin += vec3(1e6f, -1e6f, 2e6f);
+                r = kernels::ray_to_local(scene.instances.at[0], r);
+            }
+            const Hit hit = closest(scene, r);
+            const glm::dvec3 o(r.origin), d(r.direction);
+            const double unit = 1 / glm::length(d);
+            const auto agrees = [&](const ExactHit& e) {
+                if (!kernels::is_hit(hit)) return std::isinf(e.t);
+                return hit.cell == e.cell && hit.face == e.face && std::abs(double(hit.t) - e.t) < 0.005 * unit;
+            };
+            const ExactHit expected = exact_hit(scene, dense, o, d, double(r.t_min));
+            hits += kernels::is_hit(hit);
+            if (agrees(expected)) {
+                if (!kernels::is_hit(hit)) continue;
+                // Three roundings; where a ray starts in stone, the next number above t_min.
+                ASSERT_NEAR(double(hit.t), expected.t, 3e-7 * expected.t + 1e-29) << describe(r);
+                continue;
+            }
+            // Within 0.002 voxels of an edge or a corner either side may be seen.
+            bool tie = false;
+            for (int j = 0; j < 500 && !tie; ++j) {
+                const glm::dvec3 beside = o + 0.002 * glm::dvec3(random.in_cube());
+                const glm::dvec3 turned = d + 1e-5 * glm::length(d) * glm::dvec3(random.in_cube()) * double(j % 3 > 0);
+                tie = agrees(exact_hit(scene, dense, beside, turned, double(r.t_min)));
+            }
+            ASSERT_TRUE(tie) << describe(r) << " round " << round << " hit " << hit.t << " expected " << expected.t;
+            ++ties;
+        }
+    }
+    EXPECT_GT(hits, ray_count / 10);
+    EXPECT_LT(ties, ray_count / 10);
+}
+
+TEST(VoxelWalk, equals_the_plain_walk_bit_for_bit) { expect_equals_the_plain_walk(100000, 4); }
+TEST(VoxelWalk, equals_the_walk_in_double_precision) { expect_equals_the_exact_walk(100000, 5); }
+TEST(VoxelWalkSlow, equals_the_plain_walk_bit_for_bit) { expect_equals_the_plain_walk(10000000, 6); }
+TEST(VoxelWalkSlow, equals_the_walk_in_double_precision) { expect_equals_the_exact_walk(10000000, 7); }
+
+TEST(VoxelWalk, a_cell_is_found_as_on_the_host) {
+    Random random(8);
+    for (const bool share : {false, true}) {
+        const VoxelGeometry set = random_set(random, 100, share);
+        TestScene parts;
+        parts.add(set);
+        const kernels::SceneView& scene = parts.view();
+        for (int i = 0; i < 20000; ++i) {
+            const ivec3 cell = ivec3(random.in_cube(0.6f) * vec3(set.tree->size()) + 0.5f * vec3(set.tree->size()));
+            ASSERT_EQ(kernels::voxel_at(scene, scene.voxel_grids.at[0], cell), set.tree->at(cell));
+        }
+    }
+}
+
+TEST(VoxelWalk, palette_indices_above_255_are_told) {
+    std::vector<std::uint16_t> cells(64, 300);
+    cells[63] = 65535;
+    TestScene parts;
+    parts.add(voxels_of({4, 4, 4}, cells));
+    parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), std::vector<kernels::Slot>(65535, OPAQUE_SLOT));
+    const kernels::SceneView& scene = parts.view();
+    EXPECT_EQ(closest(scene, ray({5, 3.5f, 3.5f}, {-1, 0, 0})).primitive, 65535u);
+    EXPECT_EQ(closest(scene, ray({5, 2.5f, 3.5f}, {-1, 0, 0})).primitive, 300u);
+}
+
+// One voxel at each end of the largest set: a few steps lead from one to the other.
+TEST(VoxelWalk, a_million_empty_cells_are_crossed_at_once) {
+    const int n = VoxelTree::max_edge;
+    const auto tree = build_voxel_tree({n, n, n}, {{{0, 7, 9}, 1}, {{n - 1, 7, 9}, 2}});
+    TestScene parts;
+    parts.add(VoxelGeometry{*tree});
+    parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), {OPAQUE_SLOT, OPAQUE_SLOT});
+    const kernels::SceneView& scene = parts.view();
+    const Hit right = closest(scene, ray({1.5f, 7.5f, 9.5f}, {1, 0, 0}));
+    EXPECT_EQ(right.cell, ivec3(n - 1, 7, 9));
+    EXPECT_EQ(right.t, float(n) - 2.5f);
+    EXPECT_EQ(closest(scene, ray({1.5f, 7.5f, 9.5f}, {-1, 0, 0})).cell, ivec3(0, 7, 9));
+    EXPECT_FALSE(kernels::is_hit(closest(scene, ray({1.5f, 8.5f, 9.5f}, {1, 0, 0}))));
 }
 
 }  // namespace

@@ -69,7 +69,10 @@ class Sharing {
         if (count == 0 || kind == kernels::VOXEL_LINK_SOLID) return node;
         if (kind == kernels::VOXEL_LINK_CHILDREN) {
             std::array<std::uint32_t, 64> row;
-            for (std::size_t i = 0; i < count; ++i) row[i] = number_of(translated(from_.nodes[at + i]));
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::size_t child = from_.references.empty() ? at + i : from_.references[at + i];
+                row[i] = number_of(translated(from_.nodes[child]));
+            }
             return {node.mask_low, node.mask_high, kind | references_.place({row.data(), count})};
         }
         const std::size_t words = kind == kernels::VOXEL_LINK_BYTES ? (count + 3) / 4 : (count + 1) / 2;
@@ -91,5 +94,10 @@ class Sharing {
 }  // namespace
 
 VoxelTree::Arrays share_subtrees(const VoxelTree::Arrays& arrays) { return Sharing(arrays).run(); }
+
+VoxelTreePointer with_shared_subtrees(const VoxelTree& tree) {
+    return std::make_shared<const VoxelTree>(tree.size(), share_subtrees(tree.arrays()), tree.voxel_count(),
+                                             tree.palette_maximum());
+}
 
 }  // namespace spinel
