@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
+#include <tuple>
+#include <vector>
 
 #include "devices/cpu/voxel_walk.h"
 #include "geometry/test_scene.h"
@@ -352,6 +355,73 @@ ExactHit exact_hit(const kernels::SceneView& scene, const DenseVoxels& grid, glm
     }
 }
 
+// Whether a walk that starts in `start` may see this hit (or, without one, none) if planes that are met within 0.002
+// voxels of each other are passed in any order. A ray along a lattice meets many such edges and may choose at each
+// anew.
+bool is_reachable(const kernels::SceneView& scene, const DenseVoxels& grid, glm::dvec3 o, glm::dvec3 d, ivec3 start,
+                  const Hit& hit) {
+    const auto is_outside = [&](ivec3 c) {
+        return glm::any(glm::lessThan(c, ivec3(0))) || glm::any(glm::greaterThanEqual(c, grid.size));
+    };
+    const auto class_at = [&](ivec3 c) {
+        return is_outside(c) ? kernels::VOXEL_AIR
+                             : kernels::voxel_class(
+                                   scene, 0, grid.cells[kernels::uint(c.x + grid.size.x * (c.y + grid.size.y * c.z))]);
+    };
+    const kernels::uint medium = class_at(start);
+    const auto order = [](ivec3 a, ivec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
+    std::set<ivec3, decltype(order)> seen(order);
+    std::vector<ivec3> open = {start};
+    while (!open.empty()) {
+        const ivec3 cell = open.back();
+        open.pop_back();
+        if (!seen.insert(cell).second) continue;
+        double t[3], nearest = std::numeric_limits<double>::infinity();
+        for (int a = 0; a < 3; ++a) {
+            t[a] = d[a] == 0 ? std::numeric_limits<double>::infinity() : (cell[a] + (d[a] > 0 ? 1 : 0) - o[a]) / d[a];
+            nearest = std::min(nearest, t[a]);
+        }
+        for (int a = 0; a < 3; ++a) {
+            if (d[a] == 0 || (t[a] - nearest) * std::abs(d[a]) > 0.002) continue;
+            ivec3 next = cell;
+            next[a] += d[a] > 0 ? 1 : -1;
+            const kernels::uint entered = class_at(next);
+            if (entered != medium) {
+                const bool out = entered == kernels::VOXEL_AIR;
+                if (kernels::is_hit(hit) && hit.cell == (out ? cell : next) &&
+                    hit.face == std::uint32_t(2 * a + (out == (d[a] > 0))))
+                    return true;
+            } else if (is_outside(next)) {
+                if (!kernels::is_hit(hit)) return true;
+            } else {
+                open.push_back(next);
+            }
+        }
+    }
+    return false;
+}
+
+// The same for all cells in which the walk may begin.
+bool may_see(const kernels::SceneView& scene, const DenseVoxels& grid, glm::dvec3 o, glm::dvec3 d, double t_min,
+             const Hit& hit) {
+    double enter = t_min;
+    for (int a = 0; a < 3; ++a)
+        if (d[a] != 0) enter = std::max(enter, (d[a] > 0 ? -o[a] : grid.size[a] - o[a]) / d[a]);
+    const glm::dvec3 p = o + enter * d;
+    for (int corner = 0; corner < 8; ++corner) {
+        ivec3 start;
+        for (int a = 0; a < 3; ++a) {
+            start[a] = int(std::floor(p[a] + (corner >> a & 1 ? 0.002 : -0.002)));
+            start[a] = std::clamp(start[a], 0, grid.size[a] - 1);
+        }
+        // On the face that it comes in by.
+        const int axis = int(hit.face >> 1), plane = hit.cell[axis] + int(hit.face & 1);
+        if (kernels::is_hit(hit) && hit.cell == start && std::abs(plane - p[axis]) < 0.002) return true;
+        if (is_reachable(scene, grid, o, d, start, hit)) return true;
+    }
+    return false;
+}
+
 void expect_equals_the_exact_walk(int ray_count, std::uint32_t seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -372,10 +442,10 @@ void expect_equals_the_exact_walk(int ray_count, std::uint32_t seed) {
             }
             const Hit hit = closest(scene, r);
             const glm::dvec3 o(r.origin), d(r.direction);
-            const double unit = 1 / glm::length(d);
             const auto agrees = [&](const ExactHit& e) {
                 if (!kernels::is_hit(hit)) return std::isinf(e.t);
-                return hit.cell == e.cell && hit.face == e.face && std::abs(double(hit.t) - e.t) < 0.005 * unit;
+                return hit.cell == e.cell && hit.face == e.face &&
+                       std::abs(double(hit.t) - e.t) * std::abs(d[int(e.face >> 1)]) < 0.005;  // along the face's axis
             };
             const ExactHit expected = exact_hit(scene, dense, o, d, double(r.t_min));
             hits += kernels::is_hit(hit);
@@ -387,11 +457,11 @@ void expect_equals_the_exact_walk(int ray_count, std::uint32_t seed) {
             }
             // Within 0.002 voxels of an edge or a corner either side may be seen.
             bool tie = false;
-            for (int j = 0; j < 500 && !tie; ++j) {
+            for (int j = 0; j < 200 && !tie; ++j) {
                 const glm::dvec3 beside = o + 0.002 * glm::dvec3(random.in_cube());
-                const glm::dvec3 turned = d + 1e-5 * glm::length(d) * glm::dvec3(random.in_cube()) * double(j % 3 > 0);
-                tie = agrees(exact_hit(scene, dense, beside, turned, double(r.t_min)));
+                tie = agrees(exact_hit(scene, dense, beside, d, double(r.t_min)));
             }
+            tie = tie || may_see(scene, dense, o, d, double(r.t_min), hit);
             ASSERT_TRUE(tie) << describe(r) << " round " << round << " hit " << hit.t << " expected " << expected.t;
             ++ties;
         }

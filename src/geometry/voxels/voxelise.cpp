@@ -71,6 +71,9 @@ Result<VoxelisedMesh> voxelise_surface(const MeshGeometry& mesh, int resolution,
     if (resolution < 1 || resolution > VoxelTree::max_edge)
         return Error{"a mesh cannot be voxelised at " + std::to_string(resolution) + " cells an edge; allowed: 1 … " +
                      std::to_string(VoxelTree::max_edge)};
+    for (const std::uint32_t slot : mesh.slots)
+        if (slot >= 65535)
+            return Error{"a mesh with material slot " + std::to_string(slot) + " cannot be voxelised: at most 65534"};
     dvec3 lower(std::numeric_limits<double>::infinity()), upper = -lower;
     for (const uvec3& triangle : mesh.triangles)
         for (int i = 0; i < 3; ++i) {
