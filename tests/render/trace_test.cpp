@@ -104,7 +104,7 @@ TEST(TraceRays, hits_are_reported_in_the_users_terms) {
     }
     const TraceHit* rest = &(*hits)[mesh.triangles.size()];
     EXPECT_EQ(rest[0].instance, 1u);
-    EXPECT_EQ(rest[0].primitive, 3u);
+    EXPECT_EQ(rest[0].primitive, 1u);
     EXPECT_TRUE(rest[0].ix == 1 && rest[0].iy == 1 && rest[0].iz == 0);
     EXPECT_EQ(rest[0].material, 1u);
     EXPECT_EQ(rest[0].nz, -1.0f);
