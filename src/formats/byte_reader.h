@@ -1,7 +1,7 @@
 #pragma once
-// Reads little-endian binary data with every access checked. The first access beyond the end makes the reader
-// fail, and from then on it gives zeros: a parser may read a whole record and ask ok() once. Loops must still
-// check their counts against remaining().
+// Reads binary data with every access checked; numbers are little-endian unless their name ends in _be. The first
+// access beyond the end makes the reader fail, and from then on it gives zeros: a parser may read a whole record and
+// ask ok() once. Loops must still check their counts against remaining().
 
 #include <bit>
 #include <cstdint>
@@ -28,11 +28,21 @@ class ByteReader {
         position_ += count;
         return taken;
     }
+    std::uint8_t u8() { return number<std::uint8_t>(); }
+    std::uint16_t u16() { return number<std::uint16_t>(); }
     std::uint32_t u32() { return number<std::uint32_t>(); }
     std::int32_t i32() { return number<std::int32_t>(); }
     float f32() { return number<float>(); }
+    std::uint16_t u16_be() { return std::uint16_t(big_endian(2)); }
+    std::uint32_t u32_be() { return std::uint32_t(big_endian(4)); }
+    std::uint64_t u64_be() { return big_endian(8); }
 
   private:
+    std::uint64_t big_endian(std::size_t count) {
+        std::uint64_t value = 0;
+        for (const char byte : take(count)) value = value << 8 | std::uint8_t(byte);
+        return value;
+    }
     template <class T>
     T number() {
         static_assert(std::endian::native == std::endian::little, "file data is used as it lies in the file");
