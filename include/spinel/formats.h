@@ -5,6 +5,7 @@
 // scene of its own.
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,26 +16,35 @@
 
 namespace spinel {
 
+// What a file is asked for besides being read. An option that its format does not know is an error.
+struct LoadOptions {
+    std::optional<int> frame;  // of an animation, from 0; none: the first
+    std::optional<float>
+        heightmap;  // pictures and heights are terrain of so many voxels from the lowest to the highest
+};
+
 struct Format {
     std::string_view name;                     // "vox"
     std::vector<std::string_view> extensions;  // lower case, with the dot
     std::string_view description;              // one line for `spinel list formats`
-    Result<Scene> (*load)(const std::filesystem::path& path);
+    Result<Scene> (*load)(const std::filesystem::path& path, const LoadOptions& options);
     Result<void> (*save)(const Scene& scene, const std::filesystem::path& path);  // null: cannot be written
+    bool animated = false;                                                        // knows LoadOptions::frame
+    bool heights = false;                                                         // knows LoadOptions::heightmap
 };
 
 // One row for each format. To add one, write its load function and add its row in formats.cpp.
 std::span<const Format> formats();
 
-// The format whose extension the file has (upper or lower case), or null.
+// The format whose extension the file has (upper or lower case; the longest counts: ".hgt.gz"), or null.
 const Format* format_of(const std::filesystem::path& path);
 
 // A scene file (.json), or a model of any registered format: what can be rendered. A model gets a camera, sun, sky and
 // ground of its own; a scene file gets a camera if it has none, and nothing else. `size` (0, 0: the scene's film)
-// decides what a fitted camera must frame.
-Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size = {0, 0});
+// decides what a fitted camera must frame. `options` are for models; a scene file has its own.
+Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size = {0, 0}, const LoadOptions& options = {});
 
-Result<Scene> load_model(const std::filesystem::path& path);
+Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& options = {});
 Result<void> save_model(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace spinel

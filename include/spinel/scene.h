@@ -238,6 +238,16 @@ struct Expected {
     float tolerance = 0.005f;  // relative
 };
 
+// What a model file says of the place that its objects stand in, for pictures of the bare model (scene/complete.h).
+// Nothing else looks at it.
+struct Surroundings {
+    bool ground = true;
+    vec3 ground_color = {0.42f, 0.41f, 0.40f};
+    float fog_density = 0;  // extinction per unit length; 0: none
+    vec3 fog_color = {1, 1, 1};
+    float fog_g = 0;
+};
+
 struct Scene {
     std::vector<Texture> textures;
     std::vector<Material> materials;
@@ -251,6 +261,8 @@ struct Scene {
     Film film;
     IntegratorSettings integrator;
     std::optional<Expected> expected;
+    Surroundings surroundings;
+    std::vector<std::string> notes;  // what a reader guessed or left out, a sentence each; nothing depends on it
 };
 
 }  // namespace spinel

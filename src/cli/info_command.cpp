@@ -90,6 +90,7 @@ Json describe(const Scene& scene) {
     json["lights"] = scene.lights.size();
     json["cameras"] = Json::array();
     for (const Camera& camera : scene.cameras) json["cameras"].push_back(camera.name);
+    json["notes"] = scene.notes;
     return json;
 }
 
@@ -126,14 +127,15 @@ void print(const std::string& file, const Json& json) {
     section("textures", "textures");
     section("cameras", "cameras");
     if (json["media"] != 0) fmt::print("  media       {}\n", json["media"].get<std::size_t>());
+    section("notes", "notes");
     if (json["lights"] != 0) fmt::print("  lights      {}\n", json["lights"].get<std::size_t>());
 }
 
-int run(const std::vector<std::string>& files, const CommonOptions& common) {
+int run(const std::vector<std::string>& files, const LoadOptions& options, const CommonOptions& common) {
     int code = exit_ok;
     for (const std::string& file : files) {
         const bool is_scene = std::filesystem::path(file).extension() == ".json";
-        const Result<Scene> scene = is_scene ? load_scene(file) : load_model(file);
+        const Result<Scene> scene = is_scene ? load_scene(file) : load_model(file, options);
         if (!scene) {
             code = fail(scene.error());
             continue;
@@ -154,7 +156,12 @@ int run(const std::vector<std::string>& files, const CommonOptions& common) {
 std::function<int()> info_command(CLI::App& app, const CommonOptions& common) {
     auto files = std::make_shared<std::vector<std::string>>();
     app.add_option("FILE", *files, "scene files or models")->required();
-    return [files, &common] { return run(*files, common); };
+    auto options = std::make_shared<LoadOptions>();
+    app.add_option("--frame", options->frame, "of an animated model, from 0 (default: the first)")
+        ->check(CLI::Range(0, 1 << 20));
+    app.add_option("--heightmap", options->heightmap, "voxels of a picture or .hgt from the lowest to the highest")
+        ->check(CLI::Range(1.0, 65536.0));
+    return [files, options, &common] { return run(*files, *options, common); };
 }
 
 }  // namespace spinel::cli

@@ -43,6 +43,7 @@ struct Options {
     std::vector<std::string> aovs;
     std::string tone_map;
     double exposure = NAN;
+    LoadOptions load;
     bool check = false;
 };
 
@@ -192,8 +193,11 @@ struct Run {
 
     Result<int> operator()(const fs::path& input) const {
         const fs::path output = output_path(o, input);
-        const Result<Scene> scene = load_scene(input, size);
+        const Result<Scene> scene = load_scene(input, size, o.load);
         if (!scene) return scene.error();
+        if (!common.quiet)
+            for (const std::string& note : scene->notes)
+                fmt::print(stderr, "spinel: {}: {}\n", input.filename().string(), note);
         if (o.check && !scene->expected)
             return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
         const Result<CompiledScene> compiled = compile(*scene, {.camera = o.camera, .size = size});
@@ -350,6 +354,12 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
         ->capture_default_str();
     app.add_option("--crop", o->crop, "LEFT,TOP,RIGHT,BOTTOM in pixels: render and write this part only");
     app.add_option("--camera", o->camera, "one of the scene's cameras by name");
+    app.add_option("--frame", o->load.frame, "of an animated model, from 0 (default: the first)")
+        ->check(CLI::Range(0, 1 << 20));
+    app.add_option("--heightmap", o->load.heightmap,
+                   "picture or .hgt as terrain: so many voxels from black to white, or from the lowest to the highest")
+        ->check(finite_number())
+        ->check(CLI::Range(1.0, 65536.0));
     app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');
     app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
     app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite_number());

@@ -2,20 +2,26 @@
 
 #include <algorithm>
 
+#include "formats/anvil.h"
+#include "formats/colored_voxels.h"
 #include "formats/file_bytes.h"
+#include "formats/heightmap.h"
 #include "formats/mesh_assimp.h"
+#include "formats/mts.h"
 #include "formats/raw_volume.h"
+#include "formats/schematic.h"
 #include "formats/vox.h"
+#include "formats/vox_writer.h"
 
 namespace spinel {
 namespace {
 
-std::string lower_case_extension(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    return extension;
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
 }
+
+std::string extension_of(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
 template <class Keep>
 std::string extension_list(Keep keep) {
@@ -34,7 +40,39 @@ std::string extension_list(Keep keep) {
 
 std::span<const Format> formats() {
     static const Format table[] = {
-        {"vox", {".vox"}, "MagicaVoxel: models, scene graph, palette and materials", load_vox, nullptr},
+        {"vox",
+         {".vox"},
+         "MagicaVoxel: models, scene graph, materials, light, a frame of animations",
+         load_vox,
+         save_vox,
+         true},
+        {"anvil", {".mca"}, "Minecraft world: a region of chunks, 1.2 and later", load_anvil, nullptr},
+        {"schem", {".schem"}, "Minecraft structure: Sponge schematic, versions 1 to 3", load_sponge_schematic, nullptr},
+        {"schematic", {".schematic"}, "Minecraft structure: MCEdit, numeric ids", load_mcedit_schematic, nullptr},
+        {"litematic",
+         {".litematic"},
+         "Minecraft structure: Litematica, one or several regions",
+         load_litematic,
+         nullptr},
+        {"structure", {".nbt"}, "Minecraft structure: the game's own", load_structure, nullptr},
+        {"mts", {".mts"}, "Luanti schematic", load_mts, nullptr},
+        {"qubicle", {".qb"}, "Qubicle: matrices of coloured voxels", load_qubicle, nullptr},
+        {"kv6", {".kv6"}, "Voxlap and SLAB6: coloured voxels", load_kv6, nullptr},
+        {"binvox", {".binvox"}, "solid voxels without colours", load_binvox, nullptr},
+        {"hgt",
+         {".hgt", ".hgt.gz"},
+         "heights of the SRTM's tiles, as terrain of voxels",
+         load_hgt,
+         nullptr,
+         false,
+         true},
+        {"heightmap",
+         {".png", ".tif", ".tiff", ".exr", ".pgm"},
+         "picture of heights, as terrain of voxels (--heightmap)",
+         load_heightmap,
+         nullptr,
+         false,
+         true},
         {"gltf", {".gltf", ".glb"}, "glTF 2.0: meshes, materials with textures, cameras, lights", load_gltf, nullptr},
         {"obj", {".obj"}, "Wavefront OBJ with MTL materials", load_mesh, nullptr},
         {"ply", {".ply"}, "Stanford polygons, text or binary", load_mesh, nullptr},
@@ -47,24 +85,36 @@ std::span<const Format> formats() {
 }
 
 const Format* format_of(const std::filesystem::path& path) {
-    const std::string extension = lower_case_extension(path);
+    const std::string name = lower_case(path.filename().string());
+    const Format* best = nullptr;
+    std::size_t longest = 0;
     for (const Format& format : formats()) {
-        if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
-            return &format;
+        for (const std::string_view extension : format.extensions) {
+            if (name.size() <= extension.size() || extension.size() <= longest || !name.ends_with(extension)) continue;
+            best = &format;
+            longest = extension.size();
+        }
     }
-    return nullptr;
+    return best;
 }
 
-Result<Scene> load_model(const std::filesystem::path& path) {
-    if (const Format* format = format_of(path)) return format->load(path);
-    return cannot_read(path, "unknown extension '" + lower_case_extension(path) +
+Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& options) {
+    if (const Format* format = format_of(path)) {
+        if (options.frame && !format->animated)
+            return cannot_read(path,
+                               "files of the format " + std::string(format->name) + " have no frames to choose from");
+        if (options.heightmap && !format->heights)
+            return cannot_read(path, "files of the format " + std::string(format->name) + " hold no heights");
+        return format->load(path, options);
+    }
+    return cannot_read(path, "unknown extension '" + extension_of(path) +
                                  "'; readable: " + extension_list([](const Format&) { return true; }));
 }
 
 Result<void> save_model(const Scene& scene, const std::filesystem::path& path) {
     const Format* format = format_of(path);
     if (format && format->save) return format->save(scene, path);
-    return Error{"cannot write '" + path.string() + "': unknown extension '" + lower_case_extension(path) +
+    return Error{"cannot write '" + path.string() + "': unknown extension '" + extension_of(path) +
                  "'; writable: " + extension_list([](const Format& row) { return row.save != nullptr; })};
 }
 

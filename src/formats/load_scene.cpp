@@ -14,15 +14,17 @@ namespace {
 constexpr std::uintmax_t max_scene_file = std::uintmax_t(1) << 30;
 }
 
-Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size) {
+Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size, const LoadOptions& options) {
     const bool is_scene_file = path.extension() == ".json";
     Result<Scene> scene = Error{""};
     if (is_scene_file) {
+        if (options.frame || options.heightmap)
+            return Error{fmt::format("{}: frames and heights are chosen inside of a scene file", path.string())};
         const Result<std::string> text = read_file_bytes(path, max_scene_file);
         if (!text) return text.error();
         scene = read_scene_json(*text, path, {load_model, read_pixels});
     } else {
-        scene = load_model(path);
+        scene = load_model(path, options);
     }
     if (!scene) return scene;
     if (size.x > 0 && size.y > 0) scene->film.size = size;

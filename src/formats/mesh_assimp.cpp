@@ -328,9 +328,9 @@ Result<Scene> load(const std::filesystem::path& path, const GltfExtras* gltf) {
 
 }  // namespace
 
-Result<Scene> load_mesh(const std::filesystem::path& path) { return load(path, nullptr); }
+Result<Scene> load_mesh(const std::filesystem::path& path, const LoadOptions&) { return load(path, nullptr); }
 
-Result<Scene> load_gltf(const std::filesystem::path& path) {
+Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions&) {
     const Result<GltfExtras> extras = read_gltf_extras(path);
     if (!extras) return extras.error();
     return load(path, &*extras);

@@ -10,11 +10,12 @@
 #include <filesystem>
 
 #include "core/result.h"
+#include "spinel/formats.h"
 #include "spinel/scene.h"
 
 namespace spinel {
 
-Result<Scene> load_mesh(const std::filesystem::path& path);
-Result<Scene> load_gltf(const std::filesystem::path& path);
+Result<Scene> load_mesh(const std::filesystem::path& path, const LoadOptions& options = {});
+Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
 
 }  // namespace spinel

@@ -158,7 +158,7 @@ std::string stem(const std::filesystem::path& path) { return path.stem().string(
 
 }  // namespace
 
-Result<Scene> load_bits(const std::filesystem::path& path) {
+Result<Scene> load_bits(const std::filesystem::path& path, const LoadOptions&) {
     constexpr int edge = 32;
     const Result<std::string> bytes = read_file_bytes(path, std::uintmax_t(1) << 32);
     if (!bytes) return bytes.error();
@@ -179,7 +179,7 @@ Result<Scene> load_bits(const std::filesystem::path& path) {
     return volume_scene(stem(path), std::move(grid));
 }
 
-Result<Scene> load_svol(const std::filesystem::path& path) {
+Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions&) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return cannot_read(path, "there is no such file");
     std::ifstream file(path, std::ios::binary);

@@ -19,12 +19,13 @@
 #include <filesystem>
 
 #include "core/result.h"
+#include "spinel/formats.h"
 #include "spinel/scene.h"
 
 namespace spinel {
 
-Result<Scene> load_bits(const std::filesystem::path& path);
-Result<Scene> load_svol(const std::filesystem::path& path);
+Result<Scene> load_bits(const std::filesystem::path& path, const LoadOptions& options = {});
+Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions& options = {});
 
 // Writes the scene's only grid as f32. A grid that is turned, mirrored or sheared in its object's space is
 // refused.

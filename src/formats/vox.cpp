@@ -7,6 +7,8 @@
 #include "formats/file_bytes.h"
 #include "formats/vox_file.h"
 #include "formats/vox_material.h"
+#include "formats/vox_settings.h"
+#include "formats/voxel_geometry.h"
 
 namespace spinel {
 namespace {
@@ -31,14 +33,18 @@ struct Part {
 
 class Builder {
   public:
-    Builder(const std::filesystem::path& path, const vox::File& file)
-        : path_(path), file_(file), parts_(file.models.size()), material_of_(256, NOT_MADE) {}
+    Builder(const std::filesystem::path& path, const vox::File& file, int frame)
+        : path_(path),
+          file_(file),
+          frame_(std::size_t(frame)),
+          parts_(file.models.size()),
+          material_of_(256, NOT_MADE) {}
 
     Result<Scene> build() {
         std::optional<std::string> complaint;
         if (file_.nodes.empty()) {
             // Without a scene graph a model stands on the ground, its pivot above the origin.
-            complaint = place(0, {mat3(1), vec3(0, 0, file_.models[0].size.z / 2), ""});
+            complaint = place(frame_, {mat3(1), vec3(0, 0, file_.models[frame_].size.z / 2), ""});
         } else if (!file_.nodes.count(0)) {
             complaint = "its scene graph has no root (node 0)";
         } else {
@@ -46,6 +52,7 @@ class Builder {
         }
         if (complaint) return cannot_read(path_, *complaint);
         if (scene_.objects.empty()) return cannot_read(path_, "it holds no visible voxel");
+        vox::apply_settings(file_, scene_);
         return std::move(scene_);
     }
 
@@ -152,9 +159,9 @@ class Builder {
             const auto byte = [&](std::size_t j) { return std::uint8_t(voxels[i + j]); };
             if (keep[byte(3)]) points.push_back({{byte(0), byte(1), byte(2)}, byte(3)});
         }
-        Result<VoxelTreePointer> tree = build_voxel_tree(size, std::move(points));
-        if (!tree) return tree.error();
-        scene_.geometries.push_back({name, VoxelGeometry{*tree}});
+        Result<Geometry> geometry = voxel_geometry(name, size, std::move(points));
+        if (!geometry) return geometry.error();
+        scene_.geometries.push_back(std::move(*geometry));
         return int(scene_.geometries.size()) - 1;
     }
 
@@ -192,6 +199,7 @@ class Builder {
 
     const std::filesystem::path& path_;
     const vox::File& file_;
+    std::size_t frame_;  // of a file without a scene graph the model
     Scene scene_;
     std::vector<std::optional<std::vector<Part>>> parts_;  // of each model, once it is placed
     std::vector<int> material_of_;                         // of each palette index
@@ -203,10 +211,11 @@ class Builder {
 
 }  // namespace
 
-Result<Scene> load_vox(const std::filesystem::path& path) {
-    const Result<vox::File> file = vox::read(path);
+Result<Scene> load_vox(const std::filesystem::path& path, const LoadOptions& options) {
+    const int frame = options.frame.value_or(0);
+    const Result<vox::File> file = vox::read(path, frame);
     if (!file) return file.error();
-    return Builder(path, *file).build();
+    return Builder(path, *file, frame).build();
 }
 
 }  // namespace spinel

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 
 #include "formats/byte_reader.h"
@@ -12,10 +13,9 @@ namespace {
 
 constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 32;
 constexpr int MAX_EDGE = 2048;
+constexpr int MAX_FRAMES = 1 << 20;
 // What a writer that does not go back to fill it in leaves as the size of MAIN: all chunks to the file's end.
 constexpr std::uint32_t SIZE_UNKNOWN = 0x7fffff;
-
-using Dictionary = std::map<std::string, std::string>;
 
 // The text of an error without the name of the file; empty: none.
 using Complaint = std::optional<std::string>;
@@ -30,11 +30,6 @@ Dictionary read_dictionary(ByteReader& reader) {
         dictionary[key] = std::string(reader.take(reader.u32()));
     }
     return dictionary;
-}
-
-std::string value_of(const Dictionary& dictionary, const std::string& key) {
-    const auto found = dictionary.find(key);
-    return found == dictionary.end() ? std::string() : found->second;
 }
 
 // Three integers separated by spaces, within what floats hold exactly.
@@ -68,7 +63,7 @@ std::optional<mat3> parse_rotation(const std::string& text) {
 
 class Parser {
   public:
-    explicit Parser(File& file) : file_(file) { file_.palette = default_palette(); }
+    Parser(File& file, int frame) : file_(file), frame_(frame) { file_.palette = default_palette(); }
 
     Complaint parse() {
         ByteReader reader(file_.bytes);
@@ -92,6 +87,10 @@ class Parser {
         }
         if (size_) return "its last SIZE chunk has no XYZI chunk";
         if (file_.models.empty()) return "it holds no model";
+        if (file_.nodes.empty()) file_.frame_count = int(file_.models.size());
+        if (frame_ < 0 || frame_ >= file_.frame_count)
+            return "there is no frame " + std::to_string(frame_) + "; its frames are 0 … " +
+                   std::to_string(file_.frame_count - 1);
         return {};
     }
 
@@ -115,6 +114,8 @@ class Parser {
         if (id == "MATL") read_material(content);
         if (id == "MATT") read_legacy_material(content);
         if (id == "LAYR") read_layer(content);
+        if (id == "rOBJ") read_setting(content);
+        if (id == "rCAM") read_camera(content);
         if (id == "nTRN" || id == "nGRP" || id == "nSHP") complaint = read_node(id, content, start);
         if (complaint) return at_byte(start) + *complaint;
         if (!content.ok()) return at_byte(start) + "chunk " + quoted(id) + " is too short for what it says it holds";
@@ -195,7 +196,26 @@ class Parser {
 
     void read_layer(ByteReader& content) {
         const int layer = content.i32();
-        if (value_of(read_dictionary(content), "_hidden") == "1") file_.hidden_layers.insert(layer);
+        if (word(read_dictionary(content), "_hidden") == "1") file_.hidden_layers.insert(layer);
+    }
+
+    void read_setting(ByteReader& content) {
+        Dictionary setting = read_dictionary(content);
+        const std::string type = word(setting, "_type");
+        file_.settings[type] = std::move(setting);
+    }
+
+    void read_camera(ByteReader& content) {
+        content.i32();  // its number
+        file_.cameras.push_back(read_dictionary(content));
+    }
+
+    // Keeps count of the frames, and says whether the key of `attributes`, the `i`-th of its node, holds at the frame
+    // that is read. Keys stand in order; the first holds before its time as well.
+    bool key_holds(const Dictionary& attributes, std::uint32_t i) {
+        const float at = std::clamp(number(attributes, "_f", 0.0f), 0.0f, float(MAX_FRAMES));
+        file_.frame_count = std::max(file_.frame_count, int(at) + 1);
+        return i == 0 || int(at) <= frame_;
     }
 
     Complaint read_node(const std::string& id, ByteReader& content, std::size_t start) {
@@ -203,24 +223,27 @@ class Parser {
         node.offset = start;
         const int index = content.i32();
         const Dictionary attributes = read_dictionary(content);
-        node.name = value_of(attributes, "_name");
-        node.hidden = value_of(attributes, "_hidden") == "1";
+        node.name = word(attributes, "_name");
+        node.hidden = word(attributes, "_hidden") == "1";
         if (id == "nTRN") {
             node.kind = Node::Kind::transform;
             node.children.push_back(content.i32());
             content.i32();  // reserved
             node.layer = content.i32();
-            const std::uint32_t frame_count = content.u32();
-            if (frame_count > 0) {  // of an animation, the first frame
-                const Dictionary frame = read_dictionary(content);
-                if (frame.count("_t")) {
-                    const auto translation = parse_translation(frame.at("_t"));
-                    if (!translation) return "the translation '" + frame.at("_t") + "' is not three integers";
+            const std::uint32_t key_count = content.u32();
+            for (std::uint32_t i = 0; i < key_count && content.ok(); ++i) {
+                const Dictionary key = read_dictionary(content);
+                if (!key_holds(key, i)) continue;
+                node.translation = vec3(0);
+                node.rotation = mat3(1);
+                if (key.count("_t")) {
+                    const auto translation = parse_translation(key.at("_t"));
+                    if (!translation) return "the translation '" + key.at("_t") + "' is not three integers";
                     node.translation = *translation;
                 }
-                if (frame.count("_r")) {
-                    const auto rotation = parse_rotation(frame.at("_r"));
-                    if (!rotation) return "the rotation '" + frame.at("_r") + "' is not one";
+                if (key.count("_r")) {
+                    const auto rotation = parse_rotation(key.at("_r"));
+                    if (!rotation) return "the rotation '" + key.at("_r") + "' is not one";
                     node.rotation = *rotation;
                 }
             }
@@ -230,8 +253,8 @@ class Parser {
             if (count > content.remaining() / 4) return "a node announces " + std::to_string(count) + " children";
             for (std::uint32_t i = 0; i < count && content.ok(); ++i) {
                 const int child = content.i32();
-                if (node.kind == Node::Kind::shape) read_dictionary(content);
-                if (node.kind == Node::Kind::group || i == 0) node.children.push_back(child);
+                if (node.kind == Node::Kind::group) node.children.push_back(child);
+                else if (key_holds(read_dictionary(content), i)) node.children = {child};
             }
         }
         if (!file_.nodes.emplace(index, std::move(node)).second) return "there are two nodes " + std::to_string(index);
@@ -239,10 +262,37 @@ class Parser {
     }
 
     File& file_;
+    int frame_;
     std::optional<ivec3> size_;  // of the SIZE chunk that waits for its XYZI
 };
 
 }  // namespace
+
+std::string word(const Dictionary& dictionary, const std::string& key) {
+    const auto found = dictionary.find(key);
+    return found == dictionary.end() ? std::string() : found->second;
+}
+
+float number(const Dictionary& dictionary, const std::string& key, float otherwise) {
+    const std::string text = word(dictionary, key);
+    float value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && !text.empty() && std::isfinite(value) ? value : otherwise;
+}
+
+std::optional<vec3> triple(const Dictionary& dictionary, const std::string& key) {
+    const std::string text = word(dictionary, key);
+    vec3 result(0.0f);
+    const char* at = text.data();
+    const char* end = at + text.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        while (at < end && *at == ' ') ++at;
+        const auto [next, error] = std::from_chars(at, end, result[axis]);
+        if (error != std::errc() || !std::isfinite(result[axis])) return std::nullopt;
+        at = next;
+    }
+    return result;
+}
 
 std::array<std::array<std::uint8_t, 4>, 256> default_palette() {
     std::array<std::array<std::uint8_t, 4>, 256> palette{};
@@ -262,13 +312,13 @@ std::array<std::array<std::uint8_t, 4>, 256> default_palette() {
     return palette;
 }
 
-Result<File> read(const std::filesystem::path& path) {
+Result<File> read(const std::filesystem::path& path, int frame) {
     Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
     if (!bytes) return bytes.error();
     File file;  // a file with a model is longer than any small-string buffer, so that the views survive its
                 // moves
     file.bytes = std::move(*bytes);
-    if (Complaint complaint = Parser(file).parse()) return cannot_read(path, *complaint);
+    if (Complaint complaint = Parser(file, frame).parse()) return cannot_read(path, *complaint);
     return file;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -27,26 +28,39 @@ struct Node {
     std::string name;
     bool hidden = false;
     std::size_t offset = 0;     // of its chunk in the file, for messages
-    std::vector<int> children;  // nodes; of a shape: the model of its first frame
+    std::vector<int> children;  // nodes; of a shape: the model of the frame that was asked for
     int layer = -1;             // of a transform
-    mat3 rotation = mat3(1);    // a signed permutation, of a transform
+    mat3 rotation = mat3(1);    // a signed permutation, of a transform, in that frame
     vec3 translation = {0, 0, 0};
 };
 
-// Palette index `i` has color[i] and properties[i]; index 0 is empty space.
+using Dictionary = std::map<std::string, std::string>;
+
+// Palette index `i` has color[i] and properties[i]; index 0 is empty space. IMAP is not kept: it only says in which
+// order the program shows the palette, voxels and materials keep their indices.
 struct File {
     std::string bytes;  // that the views look into
     std::vector<Model> models;
     std::map<int, Node> nodes;  // empty: a file without a scene graph
     std::set<int> hidden_layers;
     std::array<std::array<std::uint8_t, 4>, 256> palette;
-    std::map<int, std::map<std::string, std::string>> properties;  // "_type" → "_metal", "_rough" → "0.1" …
+    std::map<int, Dictionary> properties;        // "_type" → "_metal", "_rough" → "0.1" …
+    std::map<std::string, Dictionary> settings;  // rOBJ by "_type": "_inf" (the sun), "_uni" (the sky), "_ground" …
+    std::vector<Dictionary> cameras;             // rCAM
+    int frame_count = 1;                         // of the animation
 };
 
 // The palette of files that hold none: the web colours in steps of 0x33 without black, then ramps of red,
 // green, blue and grey.
 std::array<std::array<std::uint8_t, 4>, 256> default_palette();
 
-Result<File> read(const std::filesystem::path& path);
+// As the file is in `frame` of its animation. A key holds until the next one; without a scene graph frames are models.
+Result<File> read(const std::filesystem::path& path, int frame = 0);
+
+std::string word(const Dictionary& dictionary, const std::string& key);  // empty: absent
+// What is no number, or not finite, counts as absent: files of many writers hold such.
+float number(const Dictionary& dictionary, const std::string& key, float otherwise);
+// Numbers separated by spaces; absent unless there are three.
+std::optional<vec3> triple(const Dictionary& dictionary, const std::string& key);
 
 }  // namespace spinel::vox

@@ -1,7 +1,6 @@
 #include "formats/vox_material.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "image/tone_map.h"
@@ -11,24 +10,26 @@
 namespace spinel::vox {
 namespace {
 
-using Properties = std::map<std::string, std::string>;
-
-std::string word(const Properties& properties, const char* key) {
-    const auto found = properties.find(key);
-    return found == properties.end() ? std::string() : found->second;
-}
-
-// What is no number, or not finite, counts as absent: files of many writers hold such, and a colour is always
-// known.
-float number(const Properties& properties, const char* key, float otherwise) {
-    const std::string text = word(properties, key);
-    float value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc() && !text.empty() && std::isfinite(value) ? value : otherwise;
-}
+using Properties = Dictionary;
 
 float fraction(const Properties& properties, const char* key, float otherwise) {
     return std::clamp(number(properties, key, otherwise), 0.0f, 1.0f);
+}
+
+// The glow of emissive voxels. The program's "power" (`_flux`, 0 … 4) multiplies by ten a step on the light that
+// reaches other voxels, but shows the voxel itself as bright as a display can (`_ldr`). Here both are one radiance, so
+// a step is two stops: at 0 a lamp is as bright as its colour in full daylight, at 4 it is 256 times that and still has
+// a hue in a picture.
+vec3 emitted(const Properties& properties, vec3 color, float weight) {
+    const float flux = std::clamp(number(properties, "_flux", 0.0f), 0.0f, 4.0f);
+    return color * std::clamp(number(properties, "_emit", weight), 0.0f, 1.0f) * std::pow(4.0f, flux);
+}
+
+// `_sp` multiplies the reflectance at normal incidence of what is not a metal.
+float index_with_specular(const Properties& properties, float ior) {
+    const float root = (ior - 1.0f) / (ior + 1.0f);
+    const float scaled = std::sqrt(std::clamp(root * root * number(properties, "_sp", 1.0f), 0.0f, 0.5f));
+    return std::clamp((1.0f + scaled) / (1.0f - scaled), 1.0f, 3.0f);
 }
 
 // `_ri` is the index itself, `_ior` lies one below it (0 … 1); some writers put the index itself there too.
@@ -60,7 +61,8 @@ Medium inner_medium(const Properties& properties, vec3 color) {
 // light after 4 voxels at a transparency of one half, sooner when less transparent, and after 1/_d voxels
 // (20) at the latest.
 vec3 glass_absorption(const Properties& properties, vec3 color, float transparency) {
-    const float density = std::clamp(number(properties, "_d", 0.05f), 0.0f, 1.0f);
+    // `_att` is what came before `_d`.
+    const float density = std::clamp(number(properties, "_d", number(properties, "_att", 0.05f)), 0.0f, 1.0f);
     const float opaque = (1.0f - transparency) / (4.0f * std::max(transparency, 0.05f));
     return -glm::log(glm::clamp(color, vec3(0.005f), vec3(1.0f))) * std::max(density, opaque);
 }
@@ -77,7 +79,7 @@ Appearance glass(const Properties& properties, vec3 color, float transparency) {
 
 }  // namespace
 
-Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Properties& properties) {
+Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Dictionary& properties) {
     vec3 color;
     for (int c = 0; c < 3; ++c) color[c] = srgb_decoded(float(bytes[std::size_t(c)]) / 255.0f);
     const std::string type = word(properties, "_type");
@@ -107,6 +109,7 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Properties
         result.material.metallic = coated ? 0.0f : metallic;
         result.material.roughness = roughness;
         if (coated) result.material.ior = std::max(index_of_refraction(properties), 1.3f);
+        else if (metallic <= 0.99f) result.material.ior = index_with_specular(properties, 1.5f);
     } else if (type == "_plastic") {
         result.material = default_material(kernels::MATERIAL_PLASTIC);
         result.material.roughness = roughness;
@@ -116,9 +119,7 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Properties
     }
     result.material.color = color;
     if (type == "_emit" || (type == "_blend" && number(properties, "_emit", 0.0f) > 0.0f)) {
-        // Radiant flux is a power of ten in the program's panel, 0 … 4.
-        const float flux = std::clamp(number(properties, "_flux", 0.0f), 0.0f, 4.0f);
-        result.material.emission = color * std::max(number(properties, "_emit", weight), 0.0f) * std::pow(10.0f, flux);
+        result.material.emission = emitted(properties, color, weight);
     }
     return result;
 }

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 
+#include "formats/vox_file.h"
 #include "spinel/scene.h"
 
 namespace spinel::vox {
@@ -18,6 +18,6 @@ struct Appearance {
 };
 
 // Every property may be absent; then MagicaVoxel's default holds. Colours are sRGB bytes.
-Appearance appearance(const std::array<std::uint8_t, 4>& color, const std::map<std::string, std::string>& properties);
+Appearance appearance(const std::array<std::uint8_t, 4>& color, const Dictionary& properties);
 
 }  // namespace spinel::vox

@@ -123,7 +123,7 @@ Camera framing_camera(const std::vector<vec3>& points, float aspect) {
 
 void add_ground(Scene& scene, float height) {
     Material material{"ground", default_material(kernels::MATERIAL_DIFFUSE)};
-    material.values.color = vec3(0.42f, 0.41f, 0.40f);
+    material.values.color = scene.surroundings.ground_color;
     scene.materials.push_back(material);
     scene.geometries.push_back({"ground", PlaneGeometry{}});
     Object ground;
@@ -132,6 +132,26 @@ void add_ground(Scene& scene, float height) {
     ground.transform[3] = vec3(0, height, 0);
     ground.materials = {int(scene.materials.size()) - 1};
     scene.objects.push_back(ground);
+}
+
+// A box of fog around all that is there, and above it.
+void add_fog(Scene& scene, vec3 lower, vec3 upper) {
+    const Surroundings& said = scene.surroundings;
+    Medium medium;
+    medium.name = "fog";
+    medium.scattering = said.fog_density * said.fog_color;
+    medium.absorption = said.fog_density * (1.0f - said.fog_color);
+    medium.g = said.fog_g;
+    scene.media.push_back(medium);
+    const vec3 extent = upper - lower, margin = vec3(2.0f * std::max(extent.x, extent.z));
+    scene.geometries.push_back({"fog", BoxGeometry{extent + 2.0f * margin}});
+    Object fog;
+    fog.name = "fog";
+    fog.geometry = int(scene.geometries.size()) - 1;
+    fog.transform[3] = 0.5f * (lower + upper);
+    fog.materials = {-1};
+    fog.interior = int(scene.media.size()) - 1;
+    scene.objects.push_back(fog);
 }
 
 }  // namespace
@@ -163,13 +183,14 @@ void complete_model(Scene& scene) {
         sky.sun_azimuth = -38;
         scene.environment = sky;
     }
-    float lowest = points[0].y, highest = points[0].y;
+    vec3 lower = points[0], upper = lower;
     for (const vec3& p : points) {
-        lowest = std::min(lowest, p.y);
-        highest = std::max(highest, p.y);
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
     }
     // A hair below, so that a flat bottom and the ground never fight for the same place.
-    add_ground(scene, lowest - 1e-5f * std::max(highest - lowest, 1e-3f));
+    if (scene.surroundings.ground) add_ground(scene, lower.y - 1e-5f * std::max(upper.y - lower.y, 1e-3f));
+    if (scene.surroundings.fog_density > 0.0f) add_fog(scene, lower, upper);
 }
 
 }  // namespace spinel

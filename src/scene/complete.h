@@ -10,7 +10,7 @@ namespace spinel {
 void fit_camera(Scene& scene);
 
 // The same, if there is no camera; a limit to the sparks of indirect light; and sun and sky if there is neither an
-// environment nor a light; and a ground plane under the objects.
+// environment nor a light; and a ground plane under the objects and fog around them, as the scene's surroundings say.
 void complete_model(Scene& scene);
 
 // Points that stand for the shape of all objects in world space: vertices, voxels, corners of bounds. At most a few ten

@@ -170,11 +170,11 @@ Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& 
 }
 
 // The objects of a model file, merged into the scene.
-std::vector<Object> read_model(JsonContext& context, const JsonValue& file, const Record& record,
-                               const std::string& what) {
+std::vector<Object> read_model(JsonContext& context, const JsonValue& file, const LoadOptions& options,
+                               const Record& record, const std::string& what) {
     const auto path = read_path(context, file, of("file", what));
     if (path.empty()) return {};
-    Result<Scene> model = context.loaders.model(path);
+    Result<Scene> model = context.loaders.model(path, options);
     if (!model) {
         context.json.fail(file, model.error().message);
         return {};
@@ -186,13 +186,26 @@ std::vector<Object> read_model(JsonContext& context, const JsonValue& file, cons
     if (model->objects.empty()) context.json.fail(file, path.string() + " holds no objects");
     for (const Object& object : model->objects) {
         const Geometry& geometry = model->geometries[std::size_t(object.geometry)];
-        if (kind_name(geometry) != record.type) {
-            context.json.fail(file, what + " is of type \"" + std::string(record.type) + "\", but " + path.string() +
-                                        " holds a geometry of type \"" + std::string(kind_name(geometry)) + "\"");
-            return {};
-        }
+        // Blocks that are no cubes come as meshes along with voxels.
+        if (kind_name(geometry) == record.type || (record.type == "voxels" && kind_name(geometry) == "mesh" &&
+                                                   kind_name(model->geometries.front()) == "voxels"))
+            continue;
+        context.json.fail(file, what + " is of type \"" + std::string(record.type) + "\", but " + path.string() +
+                                    " holds a geometry of type \"" + std::string(kind_name(geometry)) + "\"");
+        return {};
     }
     return merge_model(context.scene, *std::move(model));
+}
+
+// "frame" and "height" of voxels in a file.
+LoadOptions read_load_options(JsonContext& context, const JsonValue& value, const std::string& what) {
+    LoadOptions options;
+    if (const JsonValue* frame = value.find("frame"))
+        options.frame = context.json.integer(*frame, {0, 1 << 20}, of("frame", what));
+    if (const JsonValue* height = value.find("height"))
+        if (const auto number = context.json.number(*height, {1, 65536}, of("height", what)))
+            options.heightmap = float(*number);
+    return options;
 }
 
 // A volume's "filter" replaces that of the grids it brings.
@@ -229,8 +242,9 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
                                   what, "file");
         if (!alone) return {};
         parts.from_file = true;
-        parts.objects = read_model(context, *file, *record, what);
+        parts.objects = read_model(context, *file, read_load_options(context, value, what), *record, what);
     } else {
+        if (!has_no(context, value, {"frame", "height"}, what, "cells")) return {};
         if (auto* mesh = std::get_if<MeshGeometry>(&geometry.data)) *mesh = read_mesh(context, value, what);
         if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) *voxels = read_voxels(context, value, what);
         if (auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) *sdf = read_sdf(context, value, what);

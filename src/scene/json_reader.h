@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "image/pixels.h"
+#include "spinel/formats.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -14,8 +15,8 @@ namespace spinel {
 // How files that a scene names are read; the reader itself knows no format. Paths are absolute or relative to
 // the working directory, already joined with the scene file's folder.
 struct SceneLoaders {
-    std::function<Result<Scene>(const std::filesystem::path&)> model;         // meshes, voxels, volumes
-    std::function<Result<PixelBuffer>(const std::filesystem::path&)> pixels;  // textures, environments
+    std::function<Result<Scene>(const std::filesystem::path&, const LoadOptions&)> model;  // meshes, voxels, volumes
+    std::function<Result<PixelBuffer>(const std::filesystem::path&)> pixels;               // textures, environments
 };
 
 // `file` names the text in messages; its folder is where relative paths start.

@@ -156,6 +156,8 @@ OrderedJson definitions() {
     d["vec4_list"] = array_of(array_of(number, 4));
     d["index_list"] = array_of(index);
     d["index3_list"] = array_of(array_of(index, 3));
+    d["frame"] = bounded("integer", {0, 1 << 20});
+    d["voxel_height"] = bounded("number", {1, 65536});
     d["size3"] = array_of(bounded("integer", {1, 65536}), 3);
     d["layers"] = array_of(array_of({{"type", "string"}, {"pattern", "^[. 1-9a-z]+$"}}));
     d["filter"] = {{"enum", {"nearest", "linear"}}};
@@ -220,6 +222,8 @@ std::string type_text(const Field& field) {
                 {"vec4_list", "list of [x, y, z, w]"},
                 {"index_list", "list of whole numbers"},
                 {"index3_list", "list of [a, b, c]"},
+                {"frame", "whole number"},
+                {"voxel_height", "number"},
                 {"size3", "[x, y, z], whole"},
                 {"layers", "list of lists of text"},
                 {"filter", "`nearest`, `linear`"},

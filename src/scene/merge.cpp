@@ -41,6 +41,7 @@ std::vector<Object> merge_model(Scene& scene, Scene model) {
     append(scene.grids, model.grids);
     append(scene.media, model.media);
     append(scene.geometries, model.geometries);
+    append(scene.notes, model.notes);
     return std::move(model.objects);
 }
 

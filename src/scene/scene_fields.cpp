@@ -239,6 +239,10 @@ const Family& geometry_family() {
                                by_hand("file", "path",
                                        "Voxel file relative to the scene file; it may bring several objects "
                                        "and their materials."),
+                               by_hand("frame", "frame", "Of an animated `file`, from 0; without it the first."),
+                               by_hand("height", "voxel_height",
+                                       "Makes a picture or .hgt `file` terrain of so many voxels from black to white, "
+                                       "or from the lowest to the highest."),
                                by_hand("size", "size3", "Cells along x, y and z, with `cells`."),
                                by_hand("cells", "index_list",
                                        "Palette indices, x fastest, then y, then z; 0 is empty, p uses "

@@ -30,18 +30,20 @@ TEST_F(Formats, an_unknown_extension_is_an_error_that_lists_what_there_is) {
     const Result<Scene> scene = load_model("x.foo");
     ASSERT_FALSE(scene);
     EXPECT_EQ(
-        scene.error().message.find("cannot read 'x.foo': unknown extension '.foo'; readable: .vox, .gltf, .glb, .obj"),
-        0u)
+        scene.error().message.find("cannot read 'x.foo': unknown extension '.foo'; readable: .vox, .mca, .schem, "), 0u)
         << scene.error().message;
-    const Result<void> saved = save_model({}, "x.vox");
+    const Result<void> saved = save_model({}, "x.ply");
     ASSERT_FALSE(saved);
-    EXPECT_EQ(saved.error().message, "cannot write 'x.vox': unknown extension '.vox'; writable: .svol");
+    EXPECT_EQ(saved.error().message, "cannot write 'x.ply': unknown extension '.ply'; writable: .vox, .svol");
 }
 
 TEST_F(Formats, extensions_are_known_in_upper_and_lower_case) {
     ASSERT_TRUE(format_of("A.VOX"));
     EXPECT_EQ(format_of("A.VOX")->name, "vox");
     EXPECT_EQ(format_of("vox"), nullptr);
+    ASSERT_TRUE(format_of("N44W072.HGT.gz"));
+    EXPECT_EQ(format_of("N44W072.HGT.gz")->name, "hgt");
+    EXPECT_EQ(format_of("a.gz"), nullptr);
 }
 
 TEST_F(Formats, every_format_refuses_what_is_not_there_empty_or_nonsense) {
@@ -67,7 +69,7 @@ TEST_F(Formats, a_saved_model_is_read_back_valid) {
     const Result<Scene> scene = load_model(bunny);
     ASSERT_TRUE(scene) << scene.error().message;
     for (const Format& format : formats()) {
-        if (!format.save) continue;
+        if (!format.save || format.name == "vox") continue;  // which holds voxels, and has tests of its own
         const auto path = folder / ("a" + std::string(format.extensions[0]));
         ASSERT_TRUE(save_model(*scene, path));
         const Result<Scene> back = load_model(path);
@@ -79,8 +81,8 @@ TEST_F(Formats, a_saved_model_is_read_back_valid) {
 
 TEST_F(Formats, damaged_and_unsupported_real_files_are_refused_with_one_line) {
     if (!std::filesystem::exists(data_folder)) GTEST_SKIP() << "no " << data_folder;
-    for (const char* file :
-         {"vox/dot_vox/not_a.vox", "vox/otherformats/slab6_vox_test.vox", "mesh/gltf/heart_draco.glb"}) {
+    for (const char* file : {"vox/dot_vox/not_a.vox", "vox/otherformats/slab6_vox_test.vox", "world/nbt/bigtest.nbt",
+                             "mesh/gltf/heart_draco.glb"}) {
         ASSERT_TRUE(std::filesystem::exists(data_folder / file)) << file;
         expect_refused(load_model(data_folder / file), data_folder / file);
     }

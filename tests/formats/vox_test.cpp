@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "formats/vox_file.h"
 #include "formats/vox_material.h"
+#include "formats/vox_writer.h"
 #include "image/tone_map.h"
 #include "kernels/materials.h"
+#include "scene/material_registry.h"
 #include "scene/validate.h"
 #include "test_files.h"
 
@@ -176,6 +179,123 @@ TEST_F(Vox, frames_of_an_animation_are_not_piled_up) {
     EXPECT_EQ(std::get<VoxelGeometry>(scene->geometries[0].data).tree->size().x, 1);
 }
 
+// A transform with keys at frames, each a translation along x.
+std::string moving(int id, int child, const std::vector<std::pair<int, int>>& keys) {
+    std::string content =
+        number(id) + dictionary({}) + number(child) + number(-1) + number(-1) + number(int(keys.size()));
+    for (const auto& [frame, x] : keys)
+        content += dictionary({{"_f", std::to_string(frame)}, {"_t", std::to_string(x) + " 0 0"}});
+    return chunk("nTRN", content);
+}
+
+TEST_F(Vox, a_frame_of_an_animation_can_be_chosen) {
+    const std::string pack = chunk("PACK", number(2));
+    auto path = write("a.vox", file_of(pack + model({1, 1, 1}, {{0, 0, 0, 1}}) + model({2, 1, 1}, {{0, 0, 0, 1}})));
+    const auto width = [](const Result<Scene>& scene) {
+        return std::get<VoxelGeometry>(scene->geometries[0].data).tree->size().x;
+    };
+    EXPECT_EQ(width(load_vox(path, {.frame = 0, .heightmap = {}})), 1);
+    EXPECT_EQ(width(load_vox(path, {.frame = 1, .heightmap = {}})), 2);
+    expect_refused(load_vox(path, {.frame = 2, .heightmap = {}}), path, "its frames are 0 … 1");
+
+    // In a scene graph keys hold until the next: of the place, and of the shape's model.
+    const std::string shapes = chunk("nSHP", number(3) + dictionary({}) + number(2) + number(0) +
+                                                 dictionary({{"_f", "0"}}) + number(1) + dictionary({{"_f", "4"}}));
+    path =
+        write("b.vox", file_of(model({1, 1, 1}, {{0, 0, 0, 1}}) + model({2, 1, 1}, {{0, 0, 0, 1}}) + transform(0, 1) +
+                               group(1, {2}) + moving(2, 3, {{0, 10}, {2, 20}, {7, 30}}) + shapes));
+    const int places[] = {10, 10, 20, 20, 20, 20, 20, 30};
+    for (int frame = 0; frame < 8; ++frame) {
+        const Result<Scene> scene = load_vox(path, {.frame = frame, .heightmap = {}});
+        ASSERT_TRUE(scene) << scene.error().message;
+        const int w = width(scene);
+        EXPECT_EQ(w, frame < 4 ? 1 : 2) << frame;
+        EXPECT_EQ(scene->objects[0].transform[3].x, float(places[frame] - w / 2)) << frame;
+    }
+    expect_refused(load_vox(path, {.frame = 8, .heightmap = {}}), path, "0 … 7");
+}
+
+std::string setting(const Dictionary& d) { return chunk("rOBJ", dictionary(d)); }
+
+TEST_F(Vox, render_settings_become_light_ground_and_film) {
+    const std::string one = model({1, 1, 1}, {{0, 0, 0, 1}});
+    const std::string sun =
+        setting({{"_type", "_inf"}, {"_i", "0.5"}, {"_k", "255 255 255"}, {"_angle", "90 0"}, {"_area", "0.1"}});
+    const std::string sky = setting({{"_type", "_uni"}, {"_i", "0.25"}, {"_k", "255 0 255"}});
+    const std::string rest = setting({{"_type", "_ground"}, {"_color", "255 0 0"}}) +
+                             setting({{"_type", "_setting"}, {"_ground", "0"}}) +
+                             setting({{"_type", "_film"}, {"_expo", "4"}, {"_aces", "1"}}) +
+                             setting({{"_type", "_fog_uni"}, {"_d", "0.5"}, {"_k", "0 255 0"}, {"_g", "0.5"}});
+    const Result<Scene> scene = load(one + sun + sky + rest);
+    ASSERT_TRUE(scene) << scene.error().message;
+    ASSERT_TRUE(validate(*scene)) << validate(*scene).error().message;
+    EXPECT_EQ(std::get<ConstantEnvironment>(scene->environment).radiance, vec3(0.25f, 0, 0.25f));
+    ASSERT_EQ(scene->lights.size(), 1u);
+    const auto& light = std::get<DirectionalLight>(scene->lights[0].data);
+    EXPECT_NEAR(light.direction.y, -1.0f, 1e-6f);  // from straight above
+    EXPECT_NEAR(light.irradiance.x, 0.5f * 3.14159265f, 1e-5f);
+    EXPECT_NEAR(light.angular_radius, 5.7296f, 1e-3f);
+    EXPECT_EQ(scene->surroundings.ground_color, vec3(1, 0, 0));
+    EXPECT_FALSE(scene->surroundings.ground);
+    EXPECT_FLOAT_EQ(scene->surroundings.fog_density, 0.005f);
+    EXPECT_FLOAT_EQ(scene->film.exposure, 2.0f);
+    EXPECT_EQ(scene->film.tone_map, ToneMap::aces);
+
+    const std::string air =
+        setting({{"_type", "_env"}, {"_mode", "2"}}) + setting({{"_type", "_atm"}, {"_mie_d", "0.8"}});
+    const Result<Scene> clear = load(one + sun + sky + air);
+    ASSERT_TRUE(clear && validate(*clear));
+    EXPECT_FLOAT_EQ(std::get<SkyEnvironment>(clear->environment).haze, 2.0f);
+    EXPECT_FALSE(std::get<SkyEnvironment>(clear->environment).sun);
+
+    const Result<Scene> picture = load(one + sun + sky + setting({{"_type", "_env"}, {"_mode", "1"}}) +
+                                       setting({{"_type", "_ibl"}, {"_path", "night.hdr"}}));
+    ASSERT_EQ(picture->notes.size(), 1u);
+    EXPECT_NE(picture->notes[0].find("night.hdr"), std::string::npos);
+
+    const Result<Scene> plain = load(one);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(plain->environment));
+    EXPECT_TRUE(plain->lights.empty() && plain->surroundings.ground);
+}
+
+TEST_F(Vox, odd_settings_do_no_harm) {
+    for (const std::string odd : {"", "nan", "1e38 1e38 1e38", "-1e38 2", "x y z"}) {
+        std::string chunks = model({1, 1, 1}, {{0, 0, 0, 1}});
+        for (const char* type : {"_inf", "_uni", "_env", "_atm", "_fog_uni", "_ground", "_setting", "_film"}) {
+            Dictionary d = {{"_type", type}};
+            for (const char* key :
+                 {"_i", "_k", "_angle", "_area", "_mode", "_mie_d", "_d", "_g", "_color", "_ground", "_expo", "_aces"})
+                d[key] = odd;
+            chunks += setting(d);
+        }
+        Dictionary camera;
+        for (const char* key : {"_mode", "_focus", "_angle", "_radius", "_frustum", "_fov"}) camera[key] = odd;
+        const Result<Scene> scene = load(chunks + chunk("rCAM", number(0) + dictionary(camera)));
+        ASSERT_TRUE(scene) << scene.error().message;
+        const Result<void> valid = validate(*scene);
+        EXPECT_TRUE(valid) << odd << ": " << valid.error().message;
+    }
+}
+
+TEST_F(Vox, cameras_that_were_set_are_read) {
+    const auto camera = [](const Dictionary& d) { return chunk("rCAM", number(0) + dictionary(d)); };
+    const Result<Scene> scene = load(
+        model({1, 1, 1}, {{0, 0, 0, 1}}) +
+        camera({{"_mode", "pers"}, {"_focus", "0 0 0"}, {"_angle", "0 0 0"}, {"_radius", "1"}, {"_fov", "45"}}) +
+        camera({{"_mode", "pers"}, {"_focus", "1 2 3"}, {"_angle", "0 0 0"}, {"_radius", "50"}, {"_fov", "60"}}) +
+        camera({{"_mode", "orth"}, {"_focus", "0 0 0"}, {"_angle", "90 0 0"}, {"_radius", "10"}, {"_frustum", "0.5"}}));
+    ASSERT_TRUE(scene) << scene.error().message;
+    ASSERT_TRUE(validate(*scene)) << validate(*scene).error().message;
+    ASSERT_EQ(scene->cameras.size(), 2u);
+    EXPECT_EQ(scene->cameras[0].name, "camera 1");
+    EXPECT_EQ(scene->cameras[0].at, vec3(1, 3, -2));
+    EXPECT_NEAR(glm::distance(scene->cameras[0].from, vec3(1, 3, 48)), 0.0f, 1e-4f);  // looks along the file's +y
+    EXPECT_EQ(scene->cameras[0].fov, 60.0f);
+    EXPECT_EQ(scene->cameras[1].kind, Camera::Kind::orthographic);
+    EXPECT_EQ(scene->cameras[1].height, 10.0f);
+    EXPECT_NEAR(scene->cameras[1].from.y, 10.0f, 1e-4f);  // from above
+}
+
 TEST_F(Vox, empty_models_are_skipped_and_a_file_of_nothing_is_refused) {
     const std::string graph =
         transform(0, 1) + group(1, {2, 4}) + transform(2, 3) + shape(3, 0) + transform(4, 5) + shape(5, 1);
@@ -198,9 +318,16 @@ TEST_F(Vox, materials_become_what_they_look_like) {
     EXPECT_EQ(kind({{"_type", "_blend"}, {"_trans", "0.9"}}), kernels::MATERIAL_DIELECTRIC);
     EXPECT_EQ(kind({{"_type", "_blend"}, {"_metal", "0.9"}}), kernels::MATERIAL_PRINCIPLED);
 
+    // Two stops for a step of the power.
     const auto glow = vox::appearance(red, {{"_type", "_emit"}, {"_emit", "0.5"}, {"_flux", "2"}});
-    EXPECT_FLOAT_EQ(glow.material.emission.x, 50.0f);
-    EXPECT_NEAR(glow.material.emission.y, 50.0f * srgb_decoded(50 / 255.0f), 1e-3f);
+    EXPECT_FLOAT_EQ(glow.material.emission.x, 8.0f);
+    EXPECT_NEAR(glow.material.emission.y, 8.0f * srgb_decoded(50 / 255.0f), 1e-3f);
+    EXPECT_FLOAT_EQ(vox::appearance(red, {{"_type", "_emit"}, {"_emit", "1"}, {"_flux", "9"}}).material.emission.x,
+                    256.0f);
+
+    // F0 of index 1.5 is 0.04; half of it is that of index 1.33.
+    const auto dull = vox::appearance(red, {{"_type", "_metal"}, {"_metal", "0.2"}, {"_sp", "0.5"}});
+    EXPECT_NEAR(dull.material.ior, 1.3294f, 1e-3f);
 
     const auto glass =
         vox::appearance(red, {{"_type", "_glass"}, {"_alpha", "0.5"}, {"_ior", "0.5"}, {"_rough", "0.1"}});
@@ -213,10 +340,11 @@ TEST_F(Vox, materials_become_what_they_look_like) {
 
 TEST_F(Vox, properties_that_are_no_numbers_do_no_harm) {
     for (const std::string odd : {"", "nan", "inf", "-1e30", "1e30", "abc", "0x10"}) {
-        for (const std::string type : {"_diffuse", "_metal", "_glass", "_emit", "_plastic", "_media", "_blend"}) {
+        for (const std::string type :
+             {"_diffuse", "_metal", "_glass", "_emit", "_plastic", "_media", "_cloud", "_blend"}) {
             Dictionary properties = {{"_type", type}};
-            for (const char* key :
-                 {"_rough", "_ior", "_ri", "_d", "_g", "_alpha", "_metal", "_emit", "_flux", "_weight"})
+            for (const char* key : {"_rough", "_ior", "_ri", "_d", "_att", "_sp", "_g", "_alpha", "_trans", "_metal",
+                                    "_emit", "_flux", "_weight", "_media"})
                 properties[key] = odd;
             Scene scene;
             const vox::Appearance look = vox::appearance({0, 0, 0, 0}, properties);
@@ -249,6 +377,153 @@ TEST_F(Vox, legacy_materials_are_read) {
     EXPECT_EQ(scene->materials[0].values.kind, kernels::MATERIAL_DIELECTRIC);
     EXPECT_FLOAT_EQ(scene->materials[0].values.roughness, 0.25f);
     EXPECT_FLOAT_EQ(scene->materials[0].values.ior, 1.4f);
+}
+
+TEST_F(Vox, what_is_written_is_read_back_the_same) {
+    // Turned, mirrored and moved models, one larger than a model may be, in every kind of material.
+    Scene scene;
+    const std::array<std::uint8_t, 4> red = {255, 50, 50, 255};
+    const std::vector<Dictionary> looks = {{{"_type", "_diffuse"}},
+                                           {{"_type", "_metal"}, {"_metal", "1"}, {"_rough", "0.25"}},
+                                           {{"_type", "_metal"}, {"_metal", "0.5"}, {"_rough", "0.5"}},
+                                           {{"_type", "_metal"}, {"_plastic", "1"}, {"_ri", "1.75"}},
+                                           {{"_type", "_glass"}, {"_trans", "0.5"}, {"_ri", "1.5"}, {"_rough", "0"}},
+                                           {{"_type", "_emit"}, {"_emit", "0.5"}, {"_flux", "3"}}};
+    std::vector<int> slots;
+    for (const Dictionary& look : looks) {
+        slots.push_back(int(scene.materials.size()));
+        scene.materials.push_back({"m", vox::appearance(red, look).material});
+    }
+    scene.media.push_back(*vox::appearance(red, {{"_type", "_media"}, {"_d", "0.25"}, {"_g", "0.5"}}).medium);
+    std::vector<VoxelPoint> points;
+    for (int i = 0; i < 600; ++i) points.push_back({{i, i % 3, i % 7}, std::uint16_t(1 + i % 6)});
+    scene.geometries.push_back({"line", VoxelGeometry{*build_voxel_tree({600, 3, 7}, points)}});
+    scene.geometries.push_back(
+        {"cloud", VoxelGeometry{*build_voxel_tree({3, 1, 2}, {{{2, 0, 1}, 1}, {{0, 0, 0}, 1}})}});
+    const auto add = [&](int geometry, const mat4x3& transform, std::vector<int> materials, int interior) {
+        Object object;
+        object.name = "object";
+        object.geometry = geometry;
+        object.transform = transform;
+        object.materials = std::move(materials);
+        object.interior = interior;
+        scene.objects.push_back(object);
+    };
+    add(0, mat4x3(1), slots, -1);
+    add(0, mat4x3(vec3(0, 0, 1), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(-7, 1000, 11)), slots, -1);  // mirrored
+    add(1, mat4x3(vec3(0, 1, 0), vec3(0, 0, 1), vec3(1, 0, 0), vec3(50, 60, -70)), {-1}, 0);
+    ASSERT_TRUE(validate(scene)) << validate(scene).error().message;
+
+    const auto path = folder / "a.vox";
+    const Result<void> saved = save_vox(scene, path);
+    ASSERT_TRUE(saved) << saved.error().message;
+    const Result<Scene> back = load_vox(path);
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_TRUE(validate(*back)) << validate(*back).error().message;
+    // What stands where, with the kind and the look of its material.
+    using Look = std::array<int, 6>;
+    const auto contents = [&](const Scene& s) {
+        std::map<std::array<int, 3>, Look> result;
+        for (const Object& object : s.objects)
+            std::get<VoxelGeometry>(s.geometries[std::size_t(object.geometry)].data)
+                .tree->for_each([&](ivec3 cell, std::uint16_t palette) {
+                    const vec3 p = 2.0f * (object.transform * vec4(vec3(cell) + 0.5f, 1.0f));
+                    const int material = object.materials[object.materials.size() == 1 ? 0 : palette - 1u];
+                    Look look = {-1, 0, 0, 0, 0, 0};
+                    const auto hundredths = [](float x) { return int(std::lround(100 * x)); };
+                    if (material >= 0) {
+                        const kernels::Material& m = s.materials[std::size_t(material)].values;
+                        look = {int(m.kind),
+                                hundredths(m.color.y),
+                                hundredths(m.roughness),
+                                hundredths(m.absorption.y),
+                                hundredths(m.emission.x),
+                                hundredths(m.ior)};
+                    } else {
+                        const Medium& m = s.media[std::size_t(object.interior)];
+                        look = {-1, hundredths(m.scattering.x), hundredths(m.absorption.y), hundredths(m.g), 0, 0};
+                    }
+                    result[{int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z))}] = look;
+                });
+        return result;
+    };
+    const auto before = contents(scene), after = contents(*back);
+    ASSERT_EQ(before.size(), 1202u);
+    EXPECT_EQ(before.size(), after.size());
+    int differences = 0;
+    for (const auto& [at, look] : before) {
+        const auto found = after.find(at);
+        ASSERT_NE(found, after.end()) << at[0] << " " << at[1] << " " << at[2];
+        for (std::size_t i = 0; i < look.size(); ++i) {
+            // A glass's own colour counts for nothing; its absorption is an 8-bit colour in the file.
+            if (look[0] == int(kernels::MATERIAL_DIELECTRIC) && i == 1) continue;
+            if (look[0] != -1 && look[0] == int(kernels::MATERIAL_DIFFUSE) && look[4] == 0 && i == 2) continue;
+            differences += std::abs(look[i] - found->second[i]) > std::max(1, std::abs(look[i]) / 50);
+        }
+    }
+    EXPECT_EQ(differences, 0);
+}
+
+TEST_F(Vox, what_a_file_cannot_hold_is_not_written) {
+    const auto refused = [&](const Scene& scene, const std::string& why) {
+        expect_refused(save_vox(scene, folder / "a.vox"), folder / "a.vox", why);
+        EXPECT_FALSE(std::filesystem::exists(folder / "a.vox"));
+    };
+    Scene scene;
+    refused(scene, "no object");
+    for (int i = 0; i < 300; ++i) {
+        kernels::Material material = default_material(kernels::MATERIAL_DIFFUSE);
+        material.color = vec3(float(i % 100) / 100, float(i / 100) / 10, 0.5f);
+        scene.materials.push_back({"m" + std::to_string(i), material});
+    }
+    std::vector<VoxelPoint> points;
+    for (int i = 0; i < 300; ++i) points.push_back({{i, 0, 0}, std::uint16_t(i + 1)});
+    scene.geometries.push_back({"many", VoxelGeometry{*build_voxel_tree({300, 1, 1}, points)}});
+    Object object;
+    object.name = "one";
+    object.geometry = 0;
+    for (int i = 0; i < 300; ++i) object.materials.push_back(i);
+    scene.objects.push_back(object);
+    refused(scene, "more than the 255 colours");
+    scene.objects[0].materials = {0};
+    scene.objects[0].transform[0] = vec3(0.8f, 0.6f, 0);
+    refused(scene, "lattice");
+    scene.objects[0].transform = mat4x3(1);
+    scene.objects.push_back(scene.objects[0]);
+    scene.objects[1].transform[3].x = 0.5f;
+    refused(scene, "lattice");
+    scene.geometries[0].data = SphereGeometry{};
+    refused(scene, "not made of voxels");
+}
+
+TEST_F(Vox, every_real_file_survives_being_written) {
+    if (!std::filesystem::exists(data_folder / "vox")) GTEST_SKIP() << "no " << data_folder / "vox";
+    for (const char* file : {"vox/ephtracy/chr_knight.vox", "vox/scene/test_groups.vox", "vox/bevy/cloud.vox",
+                             "vox/bevy/study.vox", "vox/kluchek/red_booth_transparency.vox", "vox/dot_vox/axes.vox"}) {
+        const Result<Scene> scene = load_vox(data_folder / file);
+        ASSERT_TRUE(scene) << scene.error().message;
+        const Result<void> saved = save_vox(*scene, folder / "a.vox");
+        ASSERT_TRUE(saved) << file << ": " << saved.error().message;
+        const Result<Scene> back = load_vox(folder / "a.vox");
+        ASSERT_TRUE(back) << file << ": " << back.error().message;
+        const auto all = [](const Scene& s) {
+            Centers result;
+            for (const Object& object : s.objects) {
+                const Centers own = centers(s, object);
+                result.insert(result.end(), own.begin(), own.end());
+            }
+            std::sort(result.begin(), result.end());
+            return result;
+        };
+        const Centers before = all(*scene), after = all(*back);
+        ASSERT_EQ(before.size(), after.size()) << file;
+        const ivec3 shift(after[0][0] - before[0][0], after[0][1] - before[0][1], after[0][2] - before[0][2]);
+        bool same = true;
+        for (std::size_t i = 0; i < before.size() && same; ++i)
+            for (int axis = 0; axis < 3; ++axis)
+                same = same && after[i][std::size_t(axis)] - before[i][std::size_t(axis)] == shift[axis];
+        EXPECT_TRUE(same) << file;
+    }
 }
 
 std::string rich_file() {

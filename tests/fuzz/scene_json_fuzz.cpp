@@ -11,7 +11,7 @@ namespace {
 
 // Files that a scene names are other readers' concern.
 const spinel::SceneLoaders no_files = {
-    [](const std::filesystem::path& path) {
+    [](const std::filesystem::path& path, const spinel::LoadOptions&) {
         return spinel::Result<spinel::Scene>(spinel::Error{"no " + path.filename().string()});
     },
     [](const std::filesystem::path& path) {

@@ -39,7 +39,7 @@ constexpr const char* text = R"json({
 
 CompiledScene compiled_scene() {
     const SceneLoaders no_files{
-        [](const std::filesystem::path&) -> Result<Scene> { return Error{"no files here"}; },
+        [](const std::filesystem::path&, const LoadOptions&) -> Result<Scene> { return Error{"no files here"}; },
         [](const std::filesystem::path&) -> Result<PixelBuffer> { return Error{"no files here"}; }};
     const Result<Scene> scene = read_scene_json(text, "determinism.json", no_files);
     EXPECT_TRUE(scene) << scene.error().message;

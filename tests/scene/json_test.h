@@ -58,7 +58,7 @@ inline Scene cloud() {
 // "picture.png" of bytes. All in the folder "scenes".
 inline SceneLoaders fake_loaders() {
     SceneLoaders loaders;
-    loaders.model = [](const std::filesystem::path& path) -> Result<Scene> {
+    loaders.model = [](const std::filesystem::path& path, const LoadOptions&) -> Result<Scene> {
         if (path == "scenes/two.obj") return two_meshes();
         if (path == "scenes/cloud.vol") return cloud();
         if (path == "scenes/empty.obj") return Scene{};

@@ -85,7 +85,7 @@ inline std::vector<kernels::Material> draw_case_materials(unsigned seed) {
 }
 
 inline Result<CompiledScene> make_case_scene() {
-    const SceneLoaders no_files = {[](const auto&) { return Error{"no models here"}; },
+    const SceneLoaders no_files = {[](const auto&, const auto&) { return Error{"no models here"}; },
                                    [](const auto&) { return Error{"no pictures here"}; }};
     const Result<Scene> scene = read_scene_json(case_scene_json, "case_scene.json", no_files);
     if (!scene) return scene.error();
