@@ -17,8 +17,9 @@ struct Hit {
     float t;         // INFINITE: nothing was hit
     uint instance;   // index into SceneView::instances
     uint primitive;  // mesh: triangle, in the order of the acceleration structure; voxels: palette index
-                     // of the cell that was entered (or left, into air); sphere, plane, rectangle, SDF: 0; box: face 0 … 5
-    uint face;  // voxels: 2·axis + (1 if the outward normal points to +axis); otherwise 0
+                     // of the cell that was entered (or left, into air); sphere, plane, rectangle, SDF: 0; box: face 0
+                     // … 5
+    uint face;       // voxels: 2·axis + (1 if the outward normal points to +axis); otherwise 0
     vec2 uv;  // mesh: barycentric weights of vertices 1 and 2; voxels, box, rectangle: position on the face in [0,1]²
     ivec3 cell;   // voxels: the voxel that was hit, else 0
     vec3 normal;  // geometric normal in local space, pointing out of the solid, not normalised

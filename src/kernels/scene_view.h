@@ -237,11 +237,11 @@ const uint LIGHT_SPHERE = 6u;
 
 struct Light {
     uint kind;
-    uint instance;   // of an emissive surface, else NONE
-    uvec2 key;       // its primitive: triangle in the BVH's order, or box face; voxels: voxel_light_key()
-    uint material;   // whose emission it sends, NONE: radiance below
-    vec3 position;   // point, spot; a corner; the sphere's centre
-    vec3 u;          // edges from the corner (triangle: to vertices 1 and 2)
+    uint instance;  // of an emissive surface, else NONE
+    uvec2 key;      // its primitive: triangle in the BVH's order, or box face; voxels: voxel_light_key()
+    uint material;  // whose emission it sends, NONE: radiance below
+    vec3 position;  // point, spot; a corner; the sphere's centre
+    vec3 u;         // edges from the corner (triangle: to vertices 1 and 2)
     vec3 v;
     vec3 direction;   // that light travels in (spot, directional); outward unit normal of a flat emitter
     vec3 radiance;    // [W/(sr·m²)]; point, spot: intensity [W/sr]; directional without size: irradiance [W/m²]

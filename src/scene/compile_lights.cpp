@@ -218,7 +218,7 @@ void add_surface_lights(Compilation& c) {
         const uint material = out.slots[placed.slot_first].material;
         switch (placed.geometry_kind) {
             case kernels::GEOMETRY_MESH: add_mesh_lights(out, view, i); break;
-            case kernels::GEOMETRY_VOXELS: 
+            case kernels::GEOMETRY_VOXELS:
                 add_voxel_lights(out, view, *std::get<VoxelGeometry>(geometry.data).tree, i);
                 break;
             case kernels::GEOMETRY_SPHERE:

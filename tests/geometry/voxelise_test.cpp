@@ -38,7 +38,8 @@ TEST(Voxelise, every_point_of_the_surface_lies_in_a_voxel_and_no_voxel_is_far_fr
         const vec3 q = to_cells * vec4(p, 1);
         const ivec3 cell = glm::clamp(ivec3(glm::floor(q)), ivec3(0), voxels->tree->size() - 1);
         const vec3 inside = glm::abs(q - vec3(cell) - 0.5f);
-        if (kernels::max_component(inside) < 0.4999f) ASSERT_EQ(voxels->tree->at(cell), 1);
+        if (kernels::max_component(inside) >= 0.4999f) continue;  // rounding may choose the neighbour
+        ASSERT_EQ(voxels->tree->at(cell), 1);
     }
     voxels->tree->for_each([&](ivec3 cell, std::uint16_t) {
         const float radius = glm::length(voxels->transform * vec4(vec3(cell) + 0.5f, 1));

@@ -27,7 +27,7 @@ std::string stage(const std::string& things, const std::string& definitions = ""
         "objects": [{{"geometry": {{"type": "plane"}}, "material": "floor", "transform": [{{"translate": [0, FLOOR, 0]}}]}}{}{}]{}}})",
                        things.empty() ? "" : ", ", things, definitions);
 }
-Picture picture(std::string text, const std::string& floor = "-1") {
+TestPicture picture(std::string text, const std::string& floor = "-1") {
     text.replace(text.find("FLOOR"), 5, floor);
     return render_text(text, 48);
 }
@@ -38,7 +38,7 @@ std::string box(vec3 size, vec3 center, const std::string& what) {
 }
 const std::string glass = R"("material": "glass")", milk = R"("material": null, "interior": "milk")";
 
-void expect_same_picture(const Picture& a, const Picture& b) {
+void expect_same_picture(const TestPicture& a, const TestPicture& b) {
     const Estimate ea = a.mean(), eb = b.mean();
     for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(ea.mean[k], eb.mean[k], 0.005 * eb.mean[k]) << "channel " << k << ", error " << ea.error[k];
@@ -48,7 +48,7 @@ void expect_same_picture(const Picture& a, const Picture& b) {
 }
 
 TEST(Contacts, two_blocks_of_glass_that_share_a_face_are_one_block) {
-    const Picture one = picture(stage(box(vec3(1.6f), {0, 0, 0}, glass)));
+    const TestPicture one = picture(stage(box(vec3(1.6f), {0, 0, 0}, glass)));
     expect_same_picture(picture(stage(box({1.6f, 0.8f, 1.6f}, {0, 0.4f, 0}, glass) + ", " +
                                       box({1.6f, 0.8f, 1.6f}, {0, -0.4f, 0}, glass))),
                         one);
@@ -68,7 +68,7 @@ TEST(Contacts, two_boxes_of_fog_that_share_a_face_are_one_box) {
 }
 
 TEST(Contacts, water_against_glass_is_the_same_of_boxes_and_of_voxels) {
-    const Picture voxels = picture(stage(
+    const TestPicture voxels = picture(stage(
         R"({"geometry": {"type": "voxels", "layers": [["12", "12"], ["12", "12"]]}, "material": ["water", "glass"],
             "transform": [{"translate": [-1, -1, -1]}, {"scale": 0.8}]})"));
     expect_same_picture(picture(stage(box({0.8f, 1.6f, 1.6f}, {-0.4f, 0, 0}, R"("material": "water")") + ", " +
@@ -84,14 +84,14 @@ TEST(Contacts, glass_stands_on_the_floor) {
     for (const std::string& what : {glass, milk}) {
         SCOPED_TRACE(what);
         // The same with the bottom sunk below the floor, where nothing can see it.
-        const Picture sunk = picture(stage(box({1.6f, 1.7f, 1.6f}, {0, -0.05f, 0}, what)), "-0.8");
+        const TestPicture sunk = picture(stage(box({1.6f, 1.7f, 1.6f}, {0, -0.05f, 0}, what)), "-0.8");
         expect_same_picture(picture(stage(box(vec3(1.6f), {0, 0, 0}, what)), "-0.8"), sunk);
     }
 }
 
 TEST(Contacts, a_wall_in_the_same_place_as_glass_or_fog_is_what_is_seen) {
     const std::string red = R"("material": "red")";
-    const Picture bare = picture(stage(box(vec3(1.6f), {0, 0, 0}, red)));
+    const TestPicture bare = picture(stage(box(vec3(1.6f), {0, 0, 0}, red)));
     for (const std::string& what : {glass, milk}) {
         SCOPED_TRACE(what);
         const std::string cover = box(vec3(1.6f), {0, 0, 0}, what), wall = box(vec3(1.6f), {0, 0, 0}, red);
@@ -104,7 +104,7 @@ TEST(Contacts, the_order_of_objects_does_not_matter) {
     // Smooth and rough glass in one place, fog that fills both.
     const std::string a = box(vec3(1.6f), {0, 0, 0}, glass), b = box(vec3(1.6f), {0, 0, 0}, R"("material": "twin")"),
                       c = box(vec3(1.6f), {0, 0, 0}, milk);
-    const Picture first = picture(stage(a + ", " + b + ", " + c));
+    const TestPicture first = picture(stage(a + ", " + b + ", " + c));
     expect_same_picture(picture(stage(a + ", " + c + ", " + b)), first);
     expect_same_picture(picture(stage(c + ", " + a + ", " + b)), first);
 }

@@ -29,7 +29,7 @@ std::string stage(const std::string& things, const std::string& glass = "", cons
                        glass, glass, geometries, things);
 }
 
-Picture render_stage(const std::string& text, int mesh_steps = 0) {
+TestPicture render_stage(const std::string& text, int mesh_steps = 0) {
     Result<Scene> scene = read_scene_json(text, "test.json", {load_model, read_pixels});
     EXPECT_TRUE(scene) << scene.error().message;
     if (!scene) return {};
@@ -42,11 +42,11 @@ Picture render_stage(const std::string& text, int mesh_steps = 0) {
         if (auto* mesh = std::get_if<MeshGeometry>(&g.data); mesh && mesh_steps > 0) *mesh = sphere_mesh(mesh_steps);
     const Result<CompiledScene> compiled = compile(*scene);
     EXPECT_TRUE(compiled) << compiled.error().message;
-    return compiled ? render_scene(*compiled, 48) : Picture{};
+    return compiled ? render_scene(*compiled, 48) : TestPicture{};
 }
 // Caustics of the lamp through glass are found by chance alone: rare bright paths make the variance of blocks
 // rough.
-void expect_same_glass(const Picture& a, const Picture& b) {
+void expect_same_glass(const TestPicture& a, const TestPicture& b) {
     const Estimate ea = a.mean(), eb = b.mean();
     for (int k = 0; k < 3; ++k) {
         const double error = std::sqrt(ea.error[k] * ea.error[k] + eb.error[k] * eb.error[k]);
@@ -63,22 +63,22 @@ const std::string tint = R"(, "absorption": [0.2, 0.6, 1])";
 TEST(Glass, a_block_of_glass_voxels_is_one_solid_without_inner_faces) {
     std::string cells;
     for (int i = 0; i < 64; ++i) cells += (i ? "," : "") + std::to_string(1 + (i * 7) % 3);
-    const Picture voxels = render_stage(stage(
+    const TestPicture voxels = render_stage(stage(
         R"({"geometry": {"type": "voxels", "size": [4, 4, 4], "cells": [)" + cells +
             R"(]}, "material": ["glass", "same", "glass"], "transform": [{"translate": [-2, -2, -2]}, {"scale": 0.4}]})",
         tint));
-    const Picture box =
+    const TestPicture box =
         render_stage(stage(R"({"geometry": {"type": "box", "size": [1.6, 1.6, 1.6]}, "material": "glass"})", tint));
     expect_same_glass(voxels, box);
 }
 
 TEST(Glass, water_against_glass_voxels_is_one_interface_as_of_nested_boxes) {
-    const Picture voxels = render_stage(stage(
+    const TestPicture voxels = render_stage(stage(
         R"({"geometry": {"type": "voxels", "layers": [["12", "12"], ["12", "12"]]}, "material": ["water", "glass"],
             "transform": [{"translate": [-1, -1, -1]}, {"scale": 0.8}]})",
         tint));
     // Water reaches into the glass; the glass has the higher priority.
-    const Picture boxes = render_stage(stage(
+    const TestPicture boxes = render_stage(stage(
         R"({"geometry": {"type": "box", "size": [1.2, 1.6, 1.6]}, "material": "water", "transform": [{"translate": [-0.2, 0, 0]}]},
            {"geometry": {"type": "box", "size": [0.8, 1.6, 1.6]}, "material": "glass", "transform": [{"translate": [0.4, 0, 0]}]})",
         tint));
@@ -113,7 +113,7 @@ TEST(Glass, a_glass_ball_in_water_displaces_it) {
 TEST(Glass, spheres_are_the_same_as_implicit_surface_mesh_and_analytic) {
     for (const std::string& kind : {std::string(), tint, std::string(R"(, "interior": "milk")")}) {
         SCOPED_TRACE(kind);
-        const Picture sphere = render_stage(stage(R"({"geometry": "ball", "material": "glass"})", kind));
+        const TestPicture sphere = render_stage(stage(R"({"geometry": "ball", "material": "glass"})", kind));
         expect_same_glass(
             render_stage(
                 stage(R"x({"geometry": {"type": "sdf", "expression": "sphere(1)"}, "material": "glass"})x", kind)),
@@ -130,8 +130,8 @@ TEST(Glass, spheres_are_the_same_as_implicit_surface_mesh_and_analytic) {
 TEST(Glass, turned_and_stretched_instances_are_the_same_of_a_mesh_and_of_a_sphere) {
     const std::string turned =
         R"(, "material": "glass", "transform": [{"scale": [1.1, 0.5, 0.8]}, {"rotate": {"axis": [1, 2, 3], "degrees": 50}}]})";
-    const Picture sphere = render_stage(stage(R"({"geometry": "ball")" + turned, tint));
-    const Picture mesh = render_stage(
+    const TestPicture sphere = render_stage(stage(R"({"geometry": "ball")" + turned, tint));
+    const TestPicture mesh = render_stage(
         stage(R"({"geometry": "mesh")" + turned, tint,
               R"("mesh": {"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]}, )"),
         128);
@@ -140,7 +140,7 @@ TEST(Glass, turned_and_stretched_instances_are_the_same_of_a_mesh_and_of_a_spher
 
 TEST(Glass, from_within_a_glass_ball_radiance_is_higher_by_the_square_of_the_index) {
     for (const double sigma : {0.0, 0.7}) {
-        const Picture p = render_text(
+        const TestPicture p = render_text(
             fmt::format(R"({{"version": 1, "film": {{"size": [4, 4], "filter": "box", "filter_radius": 0.5}},
             "camera": {{"type": "orthographic", "from": [0, 0, 0], "at": [1, 0.3, 0.2], "height": 1e-4}},
             "environment": {{"type": "constant", "radiance": 1}},

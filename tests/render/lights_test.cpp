@@ -56,7 +56,7 @@ double rectangle_factor(double x0, double x1, double z0, double z1, double h, do
 }
 
 TEST(Lights, point_light_falls_off_with_the_square_of_distance_and_the_cosine) {
-    const Picture p = render_text(
+    const TestPicture p = render_text(
         probe(R"("lights": [{"type": "point", "position": [0.7, 2, -0.4], "intensity": [3, 5, 7]}], )" + objects("")),
         4);
     const double d2 = 0.49 + 4 + 0.16;
@@ -66,7 +66,7 @@ TEST(Lights, point_light_falls_off_with_the_square_of_distance_and_the_cosine) {
 TEST(Lights, spot_light_is_full_within_soft_between_and_dark_beyond_its_angles) {
     for (const double degrees : {5.0, 12.0, 24.9, 31.0, 39.0, 41.0}) {
         const double angle = degrees * M_PI / 180;
-        const Picture p = render_text(
+        const TestPicture p = render_text(
             probe(
                 R"("lights": [{"type": "spot", "position": [0, 2, 0], "direction": [0, -1, 0], "intensity": 5,
                       "inner_angle": 25, "outer_angle": 40}], )" +
@@ -84,7 +84,7 @@ TEST(Lights, spot_light_is_full_within_soft_between_and_dark_beyond_its_angles) 
 
 TEST(Lights, directional_light_gives_its_irradiance_times_the_cosine_whatever_its_angular_radius) {
     for (const float radius : {0.0f, 0.265f, 5.0f, 25.0f}) {
-        const Picture p = render_text(
+        const TestPicture p = render_text(
             probe(fmt::format(
                       R"("lights": [{{"type": "directional", "direction": [1, -2, 0.5], "irradiance": [3, 2, 1],
                                   "angular_radius": {}}}], )",
@@ -109,7 +109,7 @@ TEST(Lights, a_sun_with_a_disc_equals_the_parallel_sun_in_the_mean_over_soft_sha
                                radius),
                            64);
     };
-    const Picture soft = sun(3), hard = sun(0);
+    const TestPicture soft = sun(3), hard = sun(0);
     // The disc averages the shadow's place over 3°, to first order nothing; what is left is of second order.
     EXPECT_NEAR(soft.mean().mean.x / hard.mean().mean.x, 1, 0.004);
     EXPECT_GT(compare(soft, hard, 1).worst, 10) << "a penumbra is there";
@@ -117,7 +117,7 @@ TEST(Lights, a_sun_with_a_disc_equals_the_parallel_sun_in_the_mean_over_soft_sha
 
 TEST(Lights, sphere_light_equals_its_form_factor_near_and_far) {
     for (const double height : {0.6, 1.0, 4.0, 30.0}) {
-        const Picture p = render_text(
+        const TestPicture p = render_text(
             probe(objects(fmt::format(R"({{"geometry": {{"type": "sphere", "radius": 0.5}}, "material": "lamp",
                                            "transform": [{{"translate": [0.3, {}, 0]}}]}})",
                                       height))),
@@ -163,7 +163,7 @@ TEST(Lights, a_flat_emitter_equals_its_form_factor_whatever_it_is_made_of) {
     for (const Emitter& e : flat_emitters("lamp")) {
         SCOPED_TRACE(e.name);
         for (const vec3 at : {vec3(0), vec3(1.3f, 0, 0.4f)}) {
-            const Picture p = render_text(probe(objects(e.object), at), 2048);
+            const TestPicture p = render_text(probe(objects(e.object), at), 2048);
             const bool sides = std::string(e.name).find("box") != std::string::npos || e.name == std::string("voxels");
             double factor = rectangle_factor(-1, 1, -0.5, 0.5, 1.5, at.x, at.z);
             if (sides && at.x > 1) continue;  // a solid shows its side there

@@ -41,7 +41,7 @@ dvec3 per_channel(const std::function<double(int)>& f) { return {f(0), f(1), f(2
 // ---------------------------------------------------------------------------------------------------
 // transmittance
 TEST(Media, absorption_follows_beer_and_lambert_without_noise) {
-    const Picture p =
+    const TestPicture p =
         render_text(line_of_sight({0, 0.5f, 3}, {0, 0.5f, 0}, -1, white_sky + ball(R"("absorption": [0.3, 1, 4])")), 4);
     const double d = std::sqrt(3.0);
     for (int k = 0; k < 3; ++k)
@@ -50,7 +50,7 @@ TEST(Media, absorption_follows_beer_and_lambert_without_noise) {
 }
 
 TEST(Media, what_is_not_scattered_passes_as_beer_and_lambert_say) {
-    const Picture p =
+    const TestPicture p =
         render_text(line_of_sight({0, 0, 3}, {0, 0, 0}, 0,
                                   white_sky + ball(R"("absorption": [0.1, 0.2, 0], "scattering": [0.2, 0.5, 1.5])")),
                     2048);
@@ -58,10 +58,10 @@ TEST(Media, what_is_not_scattered_passes_as_beer_and_lambert_say) {
 }
 
 TEST(Media, the_camera_may_stand_in_a_medium) {
-    const Picture absorbing =
+    const TestPicture absorbing =
         render_text(line_of_sight({0.3f, 0, 0}, {1, 0, 0}, -1, white_sky + ball(R"("absorption": [0.3, 1, 4])")), 4);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(absorbing.mean().mean[k], std::exp(-dvec3(0.3, 1, 4)[k] * 0.7), 3e-5);
-    const Picture scattering =
+    const TestPicture scattering =
         render_text(line_of_sight({0.3f, 0, 0}, {1, 0, 0}, 0, white_sky + ball(R"("scattering": [0.3, 1, 2])")), 1024);
     expect_mean(scattering.mean(), {std::exp(-0.21), std::exp(-0.7), std::exp(-1.4)}, 4, 0.02);
 }
@@ -133,7 +133,7 @@ TEST(Media, shadows_through_media_are_their_transmittance) {
     const std::string floor =
         R"({"geometry": {"type": "plane"}, "material": "floor", "transform": [{"translate": [0, -1, 0]}]})";
     const vec3 from(1.1f + 3, -0.5f, 2.3f), at(1.1f, -1, 2.3f);
-    const Picture slab = render_text(
+    const TestPicture slab = render_text(
         line_of_sight(
             from, at, 1,
             sun + R"("media": {"m": {"scattering": [0.3, 0.1, 0], "absorption": [0, 0.4, 1]}}, "objects": [)" + floor +
@@ -162,7 +162,7 @@ TEST(Media, single_scattering_of_a_point_light_equals_its_integral) {
     const dvec3 scattering(0.4, 0.8, 1.6), extinction = scattering + dvec3(0.3, 0, 0.1);
     const dvec3 lamp(0.2, 0.5, -0.1);
     for (const double g : {0.0, 0.7, -0.4}) {
-        const Picture p = render_text(
+        const TestPicture p = render_text(
             line_of_sight(
                 {0, 0, 3}, {0, 0, 0}, 1,
                 R"("lights": [{"type": "point", "position": [0.2, 0.5, -0.1], "intensity": 4}], )" +
@@ -273,13 +273,13 @@ std::string stage(const std::string& definitions, const std::string& things, int
 const std::string smoke = R"("scattering": [2, 1.2, 0.6], "absorption": [0.1, 0.3, 0.2], "g": 0.4)";
 
 TEST(Media, a_constant_grid_equals_the_homogeneous_medium) {
-    const Picture homogeneous = render_text(
+    const TestPicture homogeneous = render_text(
         stage("\"media\": {\"m\": {" + smoke + "}}",
               R"({"geometry": {"type": "box", "size": [1.6, 1.6, 1.6]}, "material": null, "interior": "m"})"),
         24);
     std::string ones;
     for (int i = 0; i < 6 * 5 * 4; ++i) ones += i ? ",2" : "2";
-    const Picture grid =
+    const TestPicture grid =
         render_text(stage(R"("geometries": {"grid": {"type": "volume", "size": [6, 5, 4], "values": [)" + ones +
                               R"(], "transform": [{"translate": [-3, -2.5, -2]}, {"scale": [0.26666667, 0.32, 0.4]}]}},
         "media": {"m": {"density": "grid", "scattering": [1, 0.6, 0.3], "absorption": [0.05, 0.15, 0.1], "g": 0.4}})",
@@ -294,13 +294,13 @@ TEST(Media, overlapping_volumes_equal_the_sum_of_their_coefficients) {
             R"({{"geometry": {{"type": "box", "size": [{0}, {0}, {0}]}}, "material": null, "interior": "{1}"}})", size,
             medium);
     };
-    const Picture one = render_text(stage("\"media\": {\"m\": {" + smoke + "}}", box("1.6", "m")), 24);
-    const Picture three = render_text(stage(R"("media": {"a": {"scattering": [1.5, 0.2, 0], "g": 0.4},
+    const TestPicture one = render_text(stage("\"media\": {\"m\": {" + smoke + "}}", box("1.6", "m")), 24);
+    const TestPicture three = render_text(stage(R"("media": {"a": {"scattering": [1.5, 0.2, 0], "g": 0.4},
         "b": {"scattering": [0.5, 1, 0.6], "absorption": [0, 0.2, 0.1], "g": 0.4}, "c": {"absorption": [0.1, 0.1, 0.1]}})",
-                                            box("1.6", "a") + ", " + box("1.6", "b") + ", " + box("1.6", "c")),
-                                      24);
+                                                box("1.6", "a") + ", " + box("1.6", "b") + ", " + box("1.6", "c")),
+                                          24);
     expect_same(one, three);
-    const Picture twice =
+    const TestPicture twice =
         render_text(stage(R"("media": {"h": {"scattering": [1, 0.6, 0.3], "absorption": [0.05, 0.15, 0.1], "g": 0.4}})",
                           box("1.6", "h") + ", " + box("1.6", "h")),
                     24);
@@ -312,7 +312,7 @@ TEST(Media, a_medium_in_a_mesh_equals_the_medium_in_the_sphere) {
     const auto in = [&](const std::string& geometry) {
         return stage(media, "{\"geometry\": " + geometry + R"(, "material": null, "interior": "m"})");
     };
-    const Picture sphere = render_text(in(R"({"type": "sphere", "radius": 1})"), 24);
+    const TestPicture sphere = render_text(in(R"({"type": "sphere", "radius": 1})"), 24);
     Result<Scene> scene =
         read_scene_json(in(R"({"type": "mesh", "positions": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]]})"),
                         "test.json", {load_model, read_pixels});
@@ -333,7 +333,7 @@ TEST(Media, white_clouds_vanish_in_uniform_light) {
          {R"("scattering": 30, "g": 0.3, "erosion": {"type": "fbm", "strength": 1, "frequency": 14, "octaves": 4})",
           R"("scattering": [30, 12, 3], "g": -0.3, "erosion": {"type": "value", "strength": 1, "frequency": 9})",
           R"("scattering": [3, 0, 9], "g": 0.8)"}) {
-        const Picture p =
+        const TestPicture p =
             render_text(fmt::format(
                             R"({{"version": 1, "film": {{"size": [24, 24], "filter": "box", "filter_radius": 0.5}},
             "camera": {{"from": [0.6, 0.7, 2.4], "at": [0.5, 0.5, 0.5], "fov": 26}},

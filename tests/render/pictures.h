@@ -40,7 +40,7 @@ struct Estimate {
     dvec3 error = dvec3(0);
 };
 
-struct Picture {
+struct TestPicture {
     ivec2 size = {0, 0};
     std::vector<std::vector<dvec3>> batches;  // of pixels, row by row from the top
 
@@ -81,8 +81,8 @@ inline Result<CompiledScene> compile_text(const std::string& text) {
     return compile(*scene);
 }
 
-inline Picture render_scene(const CompiledScene& scene, int spp, int batches = 8, std::uint32_t first_seed = 1) {
-    Picture picture;
+inline TestPicture render_scene(const CompiledScene& scene, int spp, int batches = 8, std::uint32_t first_seed = 1) {
+    TestPicture picture;
     picture.size = scene.film.size;
     const Result<std::unique_ptr<Device>> device = make_device("cpu");
     EXPECT_TRUE(device);
@@ -101,11 +101,11 @@ inline Picture render_scene(const CompiledScene& scene, int spp, int batches = 8
     return picture;
 }
 
-inline Picture render_text(const std::string& text, int spp, int batches = 8, std::uint32_t first_seed = 1) {
+inline TestPicture render_text(const std::string& text, int spp, int batches = 8, std::uint32_t first_seed = 1) {
     const Result<CompiledScene> scene = compile_text(text);
     if (!scene) {
         ADD_FAILURE() << scene.error().message << "\n" << text;
-        Picture black;
+        TestPicture black;
         black.size = {1, 1};
         black.batches.assign(2, {dvec3(-1)});
         return black;
@@ -132,7 +132,7 @@ struct Difference {
 };
 
 // Block by block. Blocks without noise on either side are compared to rounding.
-inline Difference compare(const Picture& a, const Picture& b, int block) {
+inline Difference compare(const TestPicture& a, const TestPicture& b, int block) {
     Difference d;
     EXPECT_EQ(a.size, b.size);
     if (a.size != b.size) return d;
@@ -159,7 +159,7 @@ inline Difference compare(const Picture& a, const Picture& b, int block) {
 }
 
 // Two ways to the same picture. With 8 batches each the expected chi_squared is 14/12 for equal pictures.
-inline void expect_same(const Picture& a, const Picture& b, int block = 8, double mean_tolerance = 0.01,
+inline void expect_same(const TestPicture& a, const TestPicture& b, int block = 8, double mean_tolerance = 0.01,
                         double chi_squared = 1.6, double worst = 6.5) {
     const Difference d = compare(a, b, block);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(d.ratio[k], 1, more_noise * mean_tolerance) << "channel " << k;
