@@ -20,13 +20,13 @@
 #include <vector>
 
 #include "devices/cpu/voxel_walk.h"
-#include "formats/load_scene.h"
 #include "geometry/voxels/dense_walk.h"
 #include "geometry/voxels/terrain.h"
 #include "geometry/voxels/voxel_builder.h"
 #include "geometry/voxels/voxelise.h"
 #include "kernels/frame.h"
 #include "kernels/voxels.h"
+#include "spinel/formats.h"
 
 namespace spinel {
 namespace {

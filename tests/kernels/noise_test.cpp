@@ -83,8 +83,8 @@ TEST(Noise, lattice_values_do_not_repeat_or_correlate) {
 
 TEST(Noise, octaves_add_detail) {
     const vec3 p(0.3f, 1.7f, -2.2f);
-    EXPECT_EQ(fbm_noise(p, 1u), value_noise(p));
-    EXPECT_EQ(fbm_noise(p, 0u), value_noise(p));
+    EXPECT_FLOAT_EQ(fbm_noise(p, 1u), value_noise(p));  // contraction may differ
+    EXPECT_FLOAT_EQ(fbm_noise(p, 0u), value_noise(p));
     EXPECT_NE(fbm_noise(p, 2u), value_noise(p));
     EXPECT_EQ(fbm_noise(p, 1000u), fbm_noise(p, FBM_MAX_OCTAVES));
     // Two octaves, written out.

@@ -1,8 +1,8 @@
-#include "scene/compiled_scene.h"
-
 #include <gtest/gtest.h>
 
-#include "kernels/constants.h"
+#include "kernels/materials.h"
+#include "scene/compiled_scene.h"
+#include "scene/material_registry.h"
 
 namespace spinel {
 namespace {
@@ -22,7 +22,7 @@ TEST(Compile, a_mesh_takes_room_for_the_attributes_that_it_has_only) {
     painted.uvs = {{2, 0}, {3, 0}, {2, 1}};
     painted.colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}};
     scene.geometries = {{"bare", bare}, {"textured", textured}, {"painted", painted}};
-    scene.materials.push_back({"grey", {}});
+    scene.materials.push_back({"grey", default_material(kernels::MATERIAL_DIFFUSE)});
     for (int i = 0; i < 3; ++i) {
         Object object;
         object.geometry = i;
