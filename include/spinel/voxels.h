@@ -52,6 +52,10 @@ class VoxelTree {
     // The palette index of a cell; 0, empty, outside.
     std::uint16_t at(ivec3 cell) const;
 
+    // The palette index of a whole cube, 0 if it is empty, or nothing if it holds several. Its edge is a power of 4 and
+    // its lower corner a multiple of that, inside of the set.
+    std::optional<std::uint16_t> cube(ivec3 lower, int edge) const;
+
     // function(ivec3 lower, int edge, std::uint16_t palette) for disjoint cubes that cover all voxels; edges are powers
     // of 4. In the order of the tree: by the coordinates' base-4 digits, the highest first; z before y before x.
     template <class Function>

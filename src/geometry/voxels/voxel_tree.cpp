@@ -38,4 +38,22 @@ std::uint16_t VoxelTree::at(ivec3 cell) const {
     }
 }
 
+std::optional<std::uint16_t> VoxelTree::cube(ivec3 lower, int edge) const {
+    const kernels::VoxelNode* node = &arrays_.root;
+    if (mask_of(*node) == 0) return std::uint16_t(0);
+    for (int level = level_count_ - 1; level >= 0 && 1 << (2 * level) >= edge; --level) {
+        const ivec3 digit = lower >> (2 * level) & 3;
+        const std::uint64_t mask = mask_of(*node), bit = std::uint64_t(1) << (digit.x + 4 * digit.y + 16 * digit.z);
+        if (!(mask & bit)) return std::uint16_t(0);
+        const auto rank = kernels::uint(std::popcount(mask & (bit - 1)));
+        if ((node->link & kernels::VOXEL_LINK_KIND) != kernels::VOXEL_LINK_CHILDREN) return palette_of(*node, rank);
+        node = &child_of(*node, rank);
+    }
+    // Where its neighbours are divided, a solid cube is a node of its own.
+    const kernels::uint kind = node->link & kernels::VOXEL_LINK_KIND;
+    const bool solid = mask_of(*node) == ~std::uint64_t(0) && kind != kernels::VOXEL_LINK_CHILDREN &&
+                       kind != kernels::VOXEL_LINK_BYTES && kind != kernels::VOXEL_LINK_HALVES;
+    return solid ? std::optional(palette_of(*node, 0)) : std::nullopt;
+}
+
 }  // namespace spinel
