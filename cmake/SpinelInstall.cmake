@@ -26,4 +26,5 @@ set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/spinel")
 install(EXPORT spinelTargets NAMESPACE spinel:: DESTINATION "${package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/spinelConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_SOURCE_DIR}/cmake/spinelConfig.cmake" "${PROJECT_SOURCE_DIR}/cmake/SpinelOpenImageIO.cmake"
+              "${PROJECT_SOURCE_DIR}/cmake/SpinelOpenVDB.cmake"
               "${PROJECT_BINARY_DIR}/spinelConfigVersion.cmake" DESTINATION "${package_dir}")

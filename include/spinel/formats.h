@@ -20,8 +20,12 @@ namespace spinel {
 struct LoadOptions {
     std::optional<int> frame;  // of an animation, from 0; none: the first
     std::optional<float>
-        heightmap;  // pictures and heights are terrain of so many voxels from the lowest to the highest
+        heightmap;        // pictures and heights are terrain of so many voxels from the lowest to the highest
+    bool voxels = false;  // active voxels of a volume are solid ones
 };
+
+// What a format can hold of what a scene may be made of.
+enum class Representation { any, meshes, voxels };
 
 struct Format {
     std::string_view name;                     // "vox"
@@ -29,8 +33,10 @@ struct Format {
     std::string_view description;              // one line for `spinel list formats`
     Result<Scene> (*load)(const std::filesystem::path& path, const LoadOptions& options);
     Result<void> (*save)(const Scene& scene, const std::filesystem::path& path);  // null: cannot be written
-    bool animated = false;                                                        // knows LoadOptions::frame
-    bool heights = false;                                                         // knows LoadOptions::heightmap
+    Representation saves = Representation::any;
+    bool animated = false;  // knows LoadOptions::frame
+    bool heights = false;   // knows LoadOptions::heightmap
+    bool volumes = false;   // knows LoadOptions::voxels
 };
 
 // One row for each format. To add one, write its load function and add its row in formats.cpp.

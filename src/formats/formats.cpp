@@ -7,9 +7,11 @@
 #include "formats/file_bytes.h"
 #include "formats/heightmap.h"
 #include "formats/mesh_assimp.h"
+#include "formats/mesh_writer.h"
 #include "formats/mts.h"
 #include "formats/raw_volume.h"
 #include "formats/schematic.h"
+#include "formats/vdb.h"
 #include "formats/vox.h"
 #include "formats/vox_writer.h"
 
@@ -45,6 +47,7 @@ std::span<const Format> formats() {
          "MagicaVoxel: models, scene graph, materials, light, a frame of animations",
          load_vox,
          save_vox,
+         Representation::voxels,
          true},
         {"anvil", {".mca"}, "Minecraft world: a region of chunks, 1.2 and later", load_anvil, nullptr},
         {"schem", {".schem"}, "Minecraft structure: Sponge schematic, versions 1 to 3", load_sponge_schematic, nullptr},
@@ -64,6 +67,7 @@ std::span<const Format> formats() {
          "heights of the SRTM's tiles, as terrain of voxels",
          load_hgt,
          nullptr,
+         Representation::any,
          false,
          true},
         {"heightmap",
@@ -71,13 +75,23 @@ std::span<const Format> formats() {
          "picture of heights, as terrain of voxels (--heightmap)",
          load_heightmap,
          nullptr,
+         Representation::any,
          false,
          true},
         {"gltf", {".gltf", ".glb"}, "glTF 2.0: meshes, materials with textures, cameras, lights", load_gltf, nullptr},
-        {"obj", {".obj"}, "Wavefront OBJ with MTL materials", load_mesh, nullptr},
-        {"ply", {".ply"}, "Stanford polygons, text or binary", load_mesh, nullptr},
+        {"obj", {".obj"}, "Wavefront OBJ with MTL materials", load_mesh, save_obj, Representation::meshes},
+        {"ply", {".ply"}, "Stanford polygons, text or binary", load_mesh, save_ply, Representation::meshes},
         {"stl", {".stl"}, "stereolithography triangles, text or binary", load_mesh, nullptr},
         {"off", {".off"}, "object file format of polygons", load_mesh, nullptr},
+        {"vdb",
+         {".vdb"},
+         "OpenVDB: sparse voxels, the value is the palette index",
+         load_vdb,
+         save_vdb,
+         Representation::voxels,
+         false,
+         false,
+         true},
         {"svol", {".svol"}, "dense volume: a text header and raw samples", load_svol, save_svol},
         {"bits", {".bits"}, "32x32x32 bit volume", load_bits, nullptr},
     };
@@ -105,6 +119,9 @@ Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& o
                                "files of the format " + std::string(format->name) + " have no frames to choose from");
         if (options.heightmap && !format->heights)
             return cannot_read(path, "files of the format " + std::string(format->name) + " hold no heights");
+        if (options.voxels && !format->volumes)
+            return cannot_read(path, "files of the format " + std::string(format->name) +
+                                         " need no --voxels: `spinel convert` makes voxels of meshes and volumes");
         return format->load(path, options);
     }
     return cannot_read(path, "unknown extension '" + extension_of(path) +

@@ -18,8 +18,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size, const Lo
     const bool is_scene_file = path.extension() == ".json";
     Result<Scene> scene = Error{""};
     if (is_scene_file) {
-        if (options.frame || options.heightmap)
-            return Error{fmt::format("{}: frames and heights are chosen inside of a scene file", path.string())};
+        if (options.frame || options.heightmap || options.voxels)
+            return Error{
+                fmt::format("{}: frames, heights and voxels are chosen inside of a scene file", path.string())};
         const Result<std::string> text = read_file_bytes(path, max_scene_file);
         if (!text) return text.error();
         scene = read_scene_json(*text, path, {load_model, read_pixels});

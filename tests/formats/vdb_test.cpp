@@ -1,0 +1,136 @@
+#include "formats/vdb.h"
+
+#include <gtest/gtest.h>
+
+#include "kernels/materials.h"
+#include "scene/material_registry.h"
+#include "scene/validate.h"
+#include "test_files.h"
+
+namespace spinel {
+namespace {
+
+using Vdb = FileTest;
+
+Scene scene_of(VoxelTreePointer tree, int material_count) {
+    Scene scene;
+    for (int i = 0; i < material_count; ++i) {
+        Material m{"m" + std::to_string(i), default_material(i % 3 == 1   ? kernels::MATERIAL_METAL
+                                                             : i % 3 == 2 ? kernels::MATERIAL_DIELECTRIC
+                                                                          : kernels::MATERIAL_DIFFUSE)};
+        m.values.color = vec3(0.1f, float(i) / float(material_count), 0.3f);
+        if (i % 3 == 0) m.values.emission = vec3(0, 0, float(i));
+        scene.materials.push_back(m);
+    }
+    scene.geometries.push_back({"set", VoxelGeometry{tree}});
+    Object object;
+    object.name = "set";
+    object.geometry = 0;
+    // Turned, moved and half as large.
+    object.transform = mat4x3(vec3(0, 0, -0.5f), vec3(0, 0.5f, 0), vec3(0.5f, 0, 0), vec3(3, -7.25f, 100));
+    for (int i = 0; i < material_count; ++i) object.materials.push_back(i);
+    scene.objects.push_back(object);
+    return scene;
+}
+
+TEST_F(Vdb, voxels_come_back_as_they_were) {
+    for (const std::uint32_t colors : {1u, 9u, 700u}) {
+        const ivec3 size(150, 70, 90);
+        // Solid parts of several sizes, noise, and empty margins.
+        const auto tree = build_voxel_tree(
+            size, {[&](ivec3 c) {
+                       if (c.x < 20 || c.y > 60) return std::uint16_t(0);
+                       const ivec3 b = c / 32;
+                       if ((b.x + b.y + b.z) % 2 == 0) return std::uint16_t(1 + (b.x + b.z) % int(colors));
+                       const std::uint32_t h = std::uint32_t(c.x * 7919 + c.y * 104729 + c.z * 1299709) * 2654435761u;
+                       return std::uint16_t(h >> 30 ? 0 : 1 + (h >> 8) % colors);
+                   },
+                   {}});
+        ASSERT_TRUE(tree);
+        const Scene scene = scene_of(*tree, (*tree)->palette_maximum());
+        const auto path = folder / "set.vdb";
+        const auto saved = save_vdb(scene, path);
+        ASSERT_TRUE(saved) << saved.error().message;
+        const Result<Scene> back = load_vdb(path, {});
+        ASSERT_TRUE(back) << back.error().message;
+        EXPECT_TRUE(validate(*back));
+        ASSERT_EQ(back->objects.size(), 1u);
+        EXPECT_EQ(back->objects[0].name, "set");
+        const VoxelTree& read = *std::get<VoxelGeometry>(back->geometries[0].data).tree;
+        EXPECT_EQ(read.size(), size);
+        EXPECT_EQ(read.voxel_count(), (*tree)->voxel_count());
+        EXPECT_EQ(read.memory().node_bytes, (*tree)->memory().node_bytes);
+        for (int z = 0; z < size.z; ++z)
+            for (int y = 0; y < size.y; ++y)
+                for (int x = 0; x < size.x; ++x) ASSERT_EQ(read.at({x, y, z}), (*tree)->at({x, y, z}));
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 3; ++row)
+                EXPECT_NEAR(back->objects[0].transform[column][row], scene.objects[0].transform[column][row], 1e-5f);
+        ASSERT_EQ(back->objects[0].materials.size(), scene.materials.size());
+        for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+            const kernels::Material& a = scene.materials[i].values;
+            const kernels::Material& b = back->materials[std::size_t(back->objects[0].materials[i])].values;
+            EXPECT_EQ(a.kind, b.kind);
+            EXPECT_EQ(a.color, b.color);
+            EXPECT_EQ(a.emission, b.emission);
+        }
+    }
+}
+
+TEST_F(Vdb, a_solid_of_a_billion_voxels_is_tiles) {
+    const auto tree = build_voxel_tree({1024, 1024, 1024},
+                                       {[](ivec3) { return std::uint16_t(3); },
+                                        [](ivec3, ivec3) { return std::optional<std::uint16_t>(std::uint16_t(3)); }});
+    ASSERT_TRUE(tree);
+    const auto path = folder / "solid.vdb";
+    ASSERT_TRUE(save_vdb(scene_of(*tree, 3), path));
+    EXPECT_LT(std::filesystem::file_size(path), 1u << 20);
+    const Result<Scene> back = load_vdb(path, {});
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(std::get<VoxelGeometry>(back->geometries[0].data).tree->voxel_count(), std::uint64_t(1) << 30);
+}
+
+TEST_F(Vdb, a_volume_is_voxels_only_if_asked_for) {
+    const auto files = data_folder / "volume/vdb";
+    if (!std::filesystem::exists(files)) GTEST_SKIP() << files << " is not there";
+    LoadOptions as_voxels;
+    as_voxels.voxels = true;
+    for (const char* name : {"torus01.vdb", "sphere_levelset.vdb", "dragon_fog.vdb"}) {
+        const auto path = files / name;
+        expect_refused(load_vdb(path, {}), path, "--voxels FILE");
+        const Result<Scene> scene = load_vdb(path, as_voxels);
+        ASSERT_TRUE(scene) << scene.error().message;
+        EXPECT_TRUE(validate(*scene));
+        EXPECT_GT(std::get<VoxelGeometry>(scene->geometries[0].data).tree->voxel_count(), 1000u);
+    }
+    for (const char* name : {"pointgrid.vdb", "velocity_vec3s.vdb"})
+        expect_refused(load_vdb(files / name, as_voxels), files / name, "is of type");
+    const Result<Scene> three = load_vdb(files / "grids_3samename.vdb", as_voxels);
+    ASSERT_TRUE(three) << three.error().message;
+    EXPECT_EQ(three->objects.size(), 3u);
+}
+
+TEST_F(Vdb, what_it_cannot_hold_is_refused_and_leaves_no_file) {
+    const auto tree = build_voxel_tree({2, 2, 2}, {[](ivec3) { return std::uint16_t(1); }, {}});
+    const auto path = folder / "a.vdb";
+    expect_refused(save_vdb({}, path), path, "empty");
+    Scene scene = scene_of(*tree, 1);
+    scene.objects[0].materials = {-1};
+    expect_refused(save_vdb(scene, path), path, "no surface");
+    scene.geometries[0].data = SphereGeometry{};
+    expect_refused(save_vdb(scene, path), path, "not made of voxels");
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+TEST_F(Vdb, damaged_files_are_refused) {
+    const auto tree = build_voxel_tree({40, 40, 40}, {[](ivec3 c) { return std::uint16_t(c.x % 3); }, {}});
+    const auto path = folder / "good.vdb";
+    ASSERT_TRUE(save_vdb(scene_of(*tree, 2), path));
+    const std::string good = bytes_of(path);
+    for (std::size_t sixteenth = 0; sixteenth < 16; ++sixteenth)
+        expect_refused(load_vdb(write("cut.vdb", good.substr(0, good.size() * sixteenth / 16)), {}),
+                       folder / "cut.vdb");
+}
+
+}  // namespace
+}  // namespace spinel
