@@ -28,6 +28,8 @@ std::function<int()> info_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> list_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> trace_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> compare_command(CLI::App& app, const CommonOptions& common);
+std::function<int()> convert_command(CLI::App& app, const CommonOptions& common);
+std::function<int()> generate_command(CLI::App& app, const CommonOptions& common);
 
 // For options that are numbers: NaN passes every range check of CLI11.
 CLI::Validator finite_number();

@@ -7,6 +7,7 @@
 #include "geometry/sdf/sdf_ops.h"
 #include "render/render.h"
 #include "scene/material_registry.h"
+#include "scene/worlds/worlds.h"
 #include "spinel/formats.h"
 #include "spinel/trace.h"
 
@@ -53,6 +54,7 @@ const Kind kinds[] = {
     {"integrators", [] { return entries(integrator_infos()); }},
     {"materials", [] { return entries(material_infos()); }},
     {"sdf", [] { return entries(sdf_operations()); }},
+    {"worlds", [] { return entries(worlds()); }},
 };
 
 }  // namespace

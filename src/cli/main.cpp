@@ -58,6 +58,15 @@ constexpr Row commands[] = {
      "  spinel compare picture.png reference.png --metric flip\n"
      "  spinel compare picture.exr reference.exr --metric mean --threshold 0.01",
      compare_command},
+    {"convert", "make voxels of meshes, implicit surfaces and volumes, or meshes of voxels",
+     "  spinel convert dragon.ply -o dragon.vdb --voxels 512 --solid\n"
+     "  spinel convert brain.svol -o brain.vdb --threshold 0.4\n"
+     "  spinel convert castle.vox -o castle.obj",
+     convert_command},
+    {"generate", "make a world of voxels",
+     "  spinel generate city -o city.vdb --size 512x160x512 --seed 7\n"
+     "  spinel list worlds",
+     generate_command},
 };
 
 // One line; CLI11 spreads some complaints over several, and calls an unknown subcommand a missing one.

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -43,6 +44,7 @@ struct Options {
     std::vector<std::string> aovs;
     std::string tone_map;
     double exposure = NAN;
+    std::vector<std::string> voxels;  // inputs as well, read with LoadOptions::voxels
     LoadOptions load;
     bool check = false;
 };
@@ -193,7 +195,9 @@ struct Run {
 
     Result<int> operator()(const fs::path& input) const {
         const fs::path output = output_path(o, input);
-        const Result<Scene> scene = load_scene(input, size, o.load);
+        LoadOptions load = o.load;
+        load.voxels = std::find(o.voxels.begin(), o.voxels.end(), input) != o.voxels.end();
+        const Result<Scene> scene = load_scene(input, size, load);
         if (!scene) return scene.error();
         if (!common.quiet)
             for (const std::string& note : scene->notes)
@@ -328,7 +332,8 @@ int run(const Options& o, const CommonOptions& common) {
 
 std::function<int()> render_command(CLI::App& app, const CommonOptions& common) {
     auto o = std::make_shared<Options>();
-    app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`")->required();
+    app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`");
+    app.add_option("--voxels", o->voxels, "an input too: a .vdb whose active voxels are solid, whatever it holds");
     app.add_option("-o,--output", o->output,
                    "picture: .png or .exr; for several inputs a folder, or a name with {name} in it")
         ->required();
@@ -364,7 +369,11 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
     app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite_number());
     app.add_flag("--check", o->check, "compare the mean with the scene's \"expected\"; exit code 3 if it differs");
-    return [o, &common] { return run(*o, common); };
+    return [o, &common] {
+        o->inputs.insert(o->inputs.end(), o->voxels.begin(), o->voxels.end());
+        if (o->inputs.empty()) return fail({"INPUT is required; see spinel render --help"}, exit_usage);
+        return run(*o, common);
+    };
 }
 
 }  // namespace spinel::cli

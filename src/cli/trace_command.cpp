@@ -14,6 +14,7 @@ namespace {
 
 struct Options {
     std::string input;
+    std::string voxels;  // instead of `input`, read with LoadOptions::voxels
     std::string rays;
     std::string output;
     TraceOptions trace;
@@ -24,7 +25,11 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         return fail(accelerator.error(), exit_usage);
     // A bare model is traced as it is, without the ground that a picture of it would stand on.
     const bool is_scene = std::filesystem::path(o.input).extension() == ".json";
-    const Result<Scene> scene = is_scene ? load_scene(o.input) : load_model(o.input);
+    LoadOptions as_voxels;
+    as_voxels.voxels = true;
+    const Result<Scene> scene = !o.voxels.empty() ? load_model(o.voxels, as_voxels)
+                                : is_scene        ? load_scene(o.input)
+                                                  : load_model(o.input);
     if (!scene) return scene.error();
     const Result<CompiledScene> compiled = compile(*scene);
     if (!compiled) return Error{fmt::format("{}: {}", o.input, compiled.error().message)};
@@ -55,13 +60,17 @@ Result<int> run(const Options& o, const CommonOptions& common) {
 
 std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
     auto o = std::make_shared<Options>();
-    app.add_option("FILE", o->input, "scene file or model")->required();
+    CLI::Option* file = app.add_option("FILE", o->input, "scene file or model");
+    app.add_option("--voxels", o->voxels, "instead of FILE: a .vdb whose active voxels are solid, whatever it holds")
+        ->excludes(file);
     app.add_option("--rays", o->rays, "rays.npy: float32 [N,8] = origin, t_min, direction, t_max")->required();
     app.add_option("-o,--output", o->output, "hits.npy: structured array, one record a ray")->required();
     app.add_option("--accel", o->trace.accelerator, "`spinel list accelerators`")->capture_default_str();
     app.add_flag("--any", o->trace.any, "only whether anything is hit: t is 0 if so, infinity if not");
     app.add_option("-t,--threads", o->trace.threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024));
     return [o, &common] {
+        if (o->input.empty() && o->voxels.empty())
+            return fail({"FILE is required; see spinel trace --help"}, exit_usage);
         const Result<int> result = run(*o, common);
         return result ? *result : fail(result.error());
     };

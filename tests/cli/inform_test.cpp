@@ -18,7 +18,7 @@ TEST_F(CliInform, every_subcommand_has_an_example_in_its_help) {
     const Outcome all = run({"--help"});
     EXPECT_EQ(all.code, 0);
     EXPECT_EQ(all.err, "");
-    for (const std::string name : {"render", "info", "list", "trace", "compare"}) {
+    for (const std::string name : {"render", "info", "list", "trace", "compare", "convert", "generate"}) {
         SCOPED_TRACE(name);
         EXPECT_NE(all.out.find("\n  " + name + " "), std::string::npos) << all.out;
         const Outcome help = run({name, "--help"});
@@ -40,7 +40,7 @@ TEST_F(CliInform, the_version_is_a_number) {
 TEST_F(CliInform, list_names_what_is_registered) {
     const std::vector<std::pair<std::string, std::string>> members = {
         {"accelerators", "brute-force"}, {"aovs", "depth"},      {"devices", "cpu"}, {"formats", "vox"},
-        {"integrators", "path"},         {"materials", "metal"}, {"sdf", "torus"}};
+        {"integrators", "path"},         {"materials", "metal"}, {"sdf", "torus"},   {"worlds", "terrain"}};
     const Outcome everything = run({"list"});
     EXPECT_EQ(everything.code, 0);
     const Json all = Json::parse(run({"list", "--json"}).out);
