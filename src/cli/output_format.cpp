@@ -30,6 +30,8 @@ void report_saved(const Scene& scene, const std::string& path, double seconds, c
         memory.palette_bytes += m.palette_bytes;
         size = glm::max(size, set->tree->size());
     }
+    for (const std::string& note : scene.notes)
+        if (!common.quiet) fmt::print(stderr, "{}: {}\n", path, note);
     if (common.json) {
         const nlohmann::ordered_json json = {{"output", path},
                                              {"size", {size.x, size.y, size.z}},

@@ -18,7 +18,7 @@ struct VoxeliseOptions {
 // A material without a texture is one entry of the palette, as it is. Colours of textures and of vertices are averaged
 // over each cell, and quantised together; the entries are the material in these colours. A texel that is more
 // transparent than not makes no voxel. Other textures (roughness, normals, emission) are left out.
-// What meshes enclose is one entry: that of the first slot. Infinite planes cannot be converted.
+// What meshes enclose is one entry: that of the first slot. Infinite planes are left out, and a note says so.
 Result<Scene> voxelise_scene(const Scene& scene, const VoxeliseOptions& options);
 
 // Every set of voxels becomes a mesh of its visible faces (greedy_mesh.h), every mesh stays. Other kinds are refused.

@@ -117,14 +117,21 @@ class Voxeliser {
             return Error{fmt::format("a palette of {} colours; allowed: 1 … 65535", options_.max_colors)};
         if (!(options_.threshold > 0)) return Error{"the threshold of volumes must be above 0"};
         Bounds bounds;
-        for (const Object& object : scene_.objects)
+        std::size_t left_out = 0;
+        for (const Object& object : scene_.objects) {
+            left_out += is_plane(object);
+            if (is_plane(object)) continue;
             if (Result<void> measured = measure(object, bounds); !measured) return measured.error();
-        if (scene_.objects.empty()) return Error{"there is nothing to voxelise"};
+        }
+        if (left_out == scene_.objects.size()) return Error{"there is nothing bounded to voxelise"};
+        if (left_out > 0) notes_.push_back(fmt::format("infinite planes left out: {}", left_out));
         const Result<VoxelFrame> frame = fit_voxel_frame(bounds.lower, bounds.upper, options_.resolution);
         if (!frame) return frame.error();
         frame_ = *frame;
-        for (const Object& object : scene_.objects)
+        for (const Object& object : scene_.objects) {
+            if (is_plane(object)) continue;
             if (Result<void> added = add(object); !added) return added.error();
+        }
         if (Result<void> made = make_palette(); !made) return made.error();
         return finish();
     }
@@ -143,6 +150,10 @@ class Voxeliser {
         return Error{fmt::format("object '{}': {}", object.name, why)};
     }
     const Geometry& geometry_of(const Object& object) const { return scene_.geometries[std::size_t(object.geometry)]; }
+
+    bool is_plane(const Object& object) const {
+        return std::holds_alternative<PlaneGeometry>(geometry_of(object).data);
+    }
 
     // −1: none.
     int material_of(const Object& object, std::size_t slot) const {
@@ -207,11 +218,8 @@ class Voxeliser {
             bounds.add_box(mat4x3(to_world), dvec3(0), dvec3(grid.size));
             return {};
         }
-        if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) {
-            bounds.add_box(m, dvec3(0), dvec3(voxels->tree->size()));
-            return {};
-        }
-        return refused(object, "an infinite plane cannot become voxels");
+        bounds.add_box(m, dvec3(0), dvec3(std::get<VoxelGeometry>(geometry.data).tree->size()));
+        return {};
     }
 
     Result<void> add(const Object& object) {
@@ -458,6 +466,7 @@ class Voxeliser {
         if (!tree) return tree.error();
         if ((*tree)->voxel_count() == 0) return Error{"not a single voxel is solid"};
         Scene out;
+        out.notes = std::move(notes_);
         out.materials = std::move(palette_);
         const bool holds_media = std::any_of(out.materials.begin(), out.materials.end(),
                                              [](const Material& m) { return m.values.interior != NONE; });
@@ -482,6 +491,7 @@ class Voxeliser {
     Looks looks_;
     std::map<std::uint32_t, std::unique_ptr<HostTexture>> textures_;
     std::vector<Layer> layers_;
+    std::vector<std::string> notes_;
     std::vector<std::uint16_t> palette_of_look_;  // the first, of coloured ones
     std::vector<Material> palette_;
 };

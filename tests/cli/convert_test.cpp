@@ -46,6 +46,14 @@ TEST_F(CliConvert, an_implicit_sphere_has_its_volume) {
     EXPECT_NEAR(json["voxels"].get<double>(), 4.0 / 3 * 3.14159265 * 32 * 32 * 32, 0.01 * 137000);
 }
 
+TEST_F(CliConvert, an_infinite_plane_is_left_out_and_that_is_said) {
+    write("plane.json", sphere_scene().replace(sphere_scene().rfind("]}"), 2,
+                                               R"(, {"geometry": {"type": "plane"}, "material": "matte"}]})"));
+    const Outcome outcome = run({"convert", at("plane.json"), "-o", at("ball.vdb"), "--voxels", "32"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("infinite planes left out: 1"), std::string::npos) << outcome.err;
+}
+
 TEST_F(CliConvert, what_cannot_be_done_is_refused_with_one_line_and_no_file) {
     write_square();
     write("scene.json", sphere_scene());
