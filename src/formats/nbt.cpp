@@ -1,5 +1,6 @@
 #include "formats/nbt.h"
 
+#include <algorithm>
 #include <bit>
 #include <optional>
 
@@ -78,7 +79,7 @@ class Parser {
         if (!reader_.ok()) return "it ends within a tag";
         if (!count || *count > MAX_TAGS - tags_) return "a list is longer than the file, or than allowed";
         if (*count > 0 && type == std::uint8_t(Type::end)) return "a list holds tags without a type";
-        tag.children.reserve(*count);
+        tag.children.reserve(std::min<std::size_t>(*count, 64));  // lists of lists may announce far more than there is
         for (std::size_t i = 0; i < *count; ++i) {
             tag.children.emplace_back().type = Type(type);
             if (const Complaint complaint = read_payload(tag.children.back(), depth)) return complaint;

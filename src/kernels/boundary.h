@@ -10,15 +10,15 @@
 // will start to where one that goes on will start: what crosses that, exactly what is passed over. Both ends lie
 // farther from the place than rounding can move any of the surfaces, so no answer depends on rounding, nor on which
 // surface was met first. Only where the compiler found that surfaces of two instances may touch
-// (Instance::contact_lower …) is it asked at all.
+// (contact.h) is it asked at all.
 //
 // One of the surfaces is what light meets there:
 //   1. one that stops light for sure; 2. one that may (opacity between 0 and 1); both: any material but a dielectric;
 //   3. the dielectric of the highest priority: if anything refracts there, it does, since no other can have been on top
 //      on either side; among equals, that whose interior stands first, whatever side the ray comes from;
 //   4. a mere interface.
-// Among other equals, that of the first instance. A surface that may stop light and does not lets it pass
-// undeflected: glass exactly behind a label with holes refracts only beside the label.
+// Among other equals, that of the first instance. Where a surface that may stop light does not, light meets what else
+// is there: glass refracts behind the holes of its label.
 #include "surface.h"
 #include "traverse.h"
 KERNELS_BEGIN
@@ -80,9 +80,12 @@ FN void pass_surface(const_in(Surface) s, inout(Passage) passage) {
 }
 
 // Passes what else is in the place of `met`, which the ray met along `direction`, among the instances that the mask
-// admits. `met` becomes the surface that light meets.
-FN void pass_contacts(const_in(SceneView) scene, vec3 direction, uint mask, inout(Surface) met,
+// admits. `met` becomes the surface that light meets; `under` that which it meets where a veil lets it through, its
+// instance NONE if there is no other.
+FN void pass_contacts(const_in(SceneView) scene, vec3 direction, uint mask, inout(Surface) met, inout(Surface) under,
                       inout(Passage) passage) {
+    under = met;
+    if (what_meets(scene, met) == MEETS_VEIL) under.instance = NONE;
     vec3 front = leave_surface(scene, met, -direction);
     vec3 across = leave_surface(scene, met, direction) - front;
     if (is_black(across)) return;
@@ -91,7 +94,7 @@ FN void pass_contacts(const_in(SceneView) scene, vec3 direction, uint mask, inou
     Ray gap = Ray(front, 0.0f, across, 1.0f);
     InstanceWalk walk = walk_instances(scene, gap);
     for (uint i = next_instance(scene, walk); i != NONE; i = next_instance(scene, walk)) {
-        if (i == first || !in_contact(scene.instances.at[i], place)) continue;
+        if (i == first || !(contact_error(scene, scene.instances.at[i], place) > 0.0f)) continue;
         if (!instance_admitted(scene.instances.at[i].flags, mask)) continue;
         Ray onward = gap;
         for (uint k = 0u; k <= MAX_CONTACT_CROSSINGS; ++k) {
@@ -102,16 +105,23 @@ FN void pass_contacts(const_in(SceneView) scene, vec3 direction, uint mask, inou
             Surface s = surface_at(scene, gap, hit);
             pass_surface(s, passage);
             float error = max(met.error, s.error);
+            uint what = what_meets(scene, s);
+            if (what != MEETS_VEIL && (under.instance == NONE || meets_first(scene, s, under))) under = s;
             if (meets_first(scene, s, met)) met = s;
             met.error = error;
+            under.error = error;
+            if (what == MEETS_WALL) break;  // nothing behind it matters
             onward.t_min = hit.t;
         }
     }
 }
 
 // Crosses the boundary that a ray along `direction` meets at s: returns what lies behind it. Something that is left but
-// was never entered (an open mesh seen from behind) is taken as if it had been. s becomes the surface that light meets.
-FN Inside cross_boundary(const_in(SceneView) scene, vec3 direction, uint mask, inout(Surface) s, inout(Inside) inside) {
+// was never entered (an open mesh seen from behind) is taken as if it had been. s becomes the surface that light meets,
+// `under` that which it meets where s is a veil and lets it through (instance NONE: nothing).
+FN Inside cross_boundary(const_in(SceneView) scene, vec3 direction, uint mask, inout(Surface) s, inout(Surface) under,
+                         inout(Inside) inside) {
+    under.instance = NONE;
     if (!s.contact) {
         if (s.leaves != NONE && !inside_contains(inside, s.leaves)) inside_enter(inside, s.leaves);
         Inside behind = inside;
@@ -121,7 +131,7 @@ FN Inside cross_boundary(const_in(SceneView) scene, vec3 direction, uint mask, i
     }
     Passage passage = Passage(inside_nothing(), inside_nothing());
     pass_surface(s, passage);
-    pass_contacts(scene, direction, mask, s, passage);
+    pass_contacts(scene, direction, mask, s, under, passage);
     Inside after = inside;
     for (uint i = 0u; i < passage.left.count; ++i) {
         uint left = passage.left.entries[i];

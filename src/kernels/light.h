@@ -2,6 +2,7 @@
 #define SPINEL_KERNELS_LIGHT_H
 // Next-event estimation: one light is picked by the alias table in proportion to its power, then a point on it.
 // Every density is over solid angle at the receiver [1/sr], the light's own probability included.
+#include "contact.h"
 #include "environment.h"
 #include "frame.h"
 #include "texture.h"
@@ -72,8 +73,8 @@ FN LightSample infinite_light(vec3 direction, vec3 radiance, float pdf, bool del
 }
 
 // Bound of a point's error on an emissive surface, or of what is in the same place as it.
-FN float light_error(const_in(SceneView) scene, const_in(Light) light, float magnitude) {
-    return max(magnitude * ROUNDING_ERROR, scene.instances.at[light.instance].contact_error);
+FN float light_error(const_in(SceneView) scene, const_in(Light) light, vec3 point, float magnitude) {
+    return max(magnitude * ROUNDING_ERROR, contact_error(scene, scene.instances.at[light.instance], point));
 }
 
 // A point on an emissive surface; `opacity` of its material there.
@@ -114,7 +115,7 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
         float d2 = dot(to, to);
         vec3 radiance = scene.materials.at[light.material].emission;
         float opacity = scene.materials.at[light.material].opacity;
-        float error = light_error(scene, light, max_component(abs(light.position)) + light.radius);
+        float magnitude = max_component(abs(light.position)) + light.radius;
         if (d2 <= sqr(light.radius) * 1.00001f) {  // from inside: uniform over the surface
             if (light.two_sided == 0u) return no_light();
             vec3 n = square_to_sphere(u);
@@ -124,8 +125,9 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
             vec3 direction = v / sqrt(l2);
             float cosine = abs(dot(direction, n));
             if (cosine <= 0.0f) return no_light();
-            return surface_light(direction, radiance, p * l2 / (cosine * light.area), light.position + light.radius * n,
-                                 n, error, opacity);
+            vec3 point = light.position + light.radius * n;
+            return surface_light(direction, radiance, p * l2 / (cosine * light.area), point, n,
+                                 light_error(scene, light, point, magnitude), opacity);
         }
         float k = sphere_one_minus_cos(light.radius, d2);
         vec3 direction = cone_direction(to / sqrt(d2), k, u);
@@ -133,8 +135,9 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
         float b = dot(to, direction);
         float disc = sqr(light.radius) - max(d2 - b * b, 0.0f);
         vec3 n = normalize((b - safe_sqrt(disc)) * direction - to);
-        return surface_light(direction, radiance, p / (2.0f * PI * k), light.position + light.radius * n, n, error,
-                             opacity);
+        vec3 point = light.position + light.radius * n;
+        return surface_light(direction, radiance, p / (2.0f * PI * k), point, n,
+                             light_error(scene, light, point, magnitude), opacity);
     }
     // Flat emitters, uniform over the area.
     vec2 b = light.kind == LIGHT_TRIANGLE ? square_to_triangle(u) : u;
@@ -147,7 +150,7 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
     float cosine = -dot(direction, light.direction);
     if (light.two_sided != 0u) cosine = abs(cosine);
     if (!(cosine > 1.0e-6f)) return no_light();
-    float error = light_error(scene, light, max_component(abs(light.position) + abs(light.u) + abs(light.v)));
+    float error = light_error(scene, light, point, max_component(abs(light.position) + abs(light.u) + abs(light.v)));
     vec2 uv = light_uv(scene, light, b);
     return surface_light(direction, material_emission(scene, light.material, uv), p * d2 / (cosine * light.area), point,
                          light.direction, error, material_opacity(scene, light.material, uv));

@@ -73,6 +73,7 @@ FN PathState path_generate(const_in(SceneView) scene, const_in(PathSettings) set
     state.inside = inside_nothing();
     if (scene.camera.locate_rays != 0u) {
         state.inside = interiors_at(scene, state.ray.origin);
+        if (state.inside.dropped > 0u) state.flags |= PATH_BOUND_REACHED;
     } else {
         for (uint i = 0u; i < scene.camera_inside_count; ++i)
             inside_enter(state.inside, scene.words.at[scene.camera_inside_first + i]);
@@ -223,11 +224,23 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     }
     Surface s = surface_at(scene, state.ray, hit);
     float opacity = surface_opacity(scene, s);
+    bool stopped = false;  // by a surface of opacity < 1
     float n_ratio = 1.0f;
     Inside after = state.inside;
     if (s.leaves != NONE || s.enters != NONE || (s.contact && opacity < 1.0f)) {
-        after = cross_boundary(scene, state.ray.direction, TRACE_ALL, s, state.inside);
+        Surface under = s;
+        after = cross_boundary(scene, state.ray.direction, TRACE_ALL, s, under, state.inside);
         if (s.contact) opacity = surface_opacity(scene, s);
+        if (under.instance != NONE && under.instance != s.instance && opacity < 1.0f &&
+            what_meets(scene, under) == MEETS_DIELECTRIC) {
+            if (rng_1d(state.rng) < opacity) {
+                stopped = true;
+            } else {
+                state.weights.r_light /= 1.0f - opacity;
+                s = under;
+                opacity = surface_opacity(scene, s);
+            }
+        }
         if (after.dropped > 0u) state.flags |= PATH_BOUND_REACHED;
         uint from = inside_dielectric(scene, state.inside);
         uint to = inside_dielectric(scene, after);
@@ -240,7 +253,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         }
         n_ratio = interior_ior(scene, to) / interior_ior(scene, from);
     }
-    if (opacity < 1.0f && (opacity <= 0.0f || rng_1d(state.rng) >= opacity)) {
+    if (!stopped && opacity < 1.0f && (opacity <= 0.0f || rng_1d(state.rng) >= opacity)) {
         state.weights.r_light /= 1.0f - opacity;  // a shadow ray multiplies by this instead of trying its luck
         state.inside = after;
         cross_surface(scene, s, state);
@@ -333,8 +346,10 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
                 continue;
             }
             Surface s = surface_at(scene, ray, hit);
-            Inside behind = cross_boundary(scene, direction, TRACE_PASS_THROUGH, s, c.inside);
+            Surface under = s;
+            Inside behind = cross_boundary(scene, direction, TRACE_PASS_THROUGH, s, under, c.inside);
             c.inside = behind;
+            if (behind.dropped > 0u) state.flags |= PATH_BOUND_REACHED;
             float clear = 1.0f - surface_opacity(scene, s);
             if (!(clear > 0.0f)) return vec3(0.0f);
             w.throughput *= clear;

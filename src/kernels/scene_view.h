@@ -115,11 +115,18 @@ struct Instance {
     uint flags;   // INSTANCE_…
     uint object;  // the user's object, for AOVs
     // Where its surface may lie in the same place as that of another instance, in world space.
-    vec3 contact_lower;
-    vec3 contact_upper;
-    float contact_error;  // bound of the rounding error of either's position there; 0: there is no such place
+    uint contact_first;  // into SceneView::contacts
+    uint contact_count;
 };
 BUFFER(Instances, Instance)
+
+// Where surfaces of an instance and of others may be in the same place, in world space.
+struct Contact {
+    vec3 lower;
+    vec3 upper;
+    float error;  // bound of the rounding error of any of their positions there
+};
+BUFFER(Contacts, Contact)
 
 const uint INSTANCE_ENCLOSES = 2u;  // has an interior, and is not a voxel set
 const uint INSTANCE_PASS_THROUGH =
@@ -182,7 +189,7 @@ struct Material {
     uint kind;                // MATERIAL_… of materials.h
     vec3 color;               // reflectance, or F0 of a metal, linear Rec.709
     uint color_texture;       // multiplies color
-    float roughness;          // perceptual, 0 … 1: GGX α = roughness²; Oren–Nayar σ of diffuse, in radians
+    float roughness;          // perceptual, 0 … 1: GGX α = roughness²; Fujii's σ of diffuse, 0 … 1
     uint roughness_texture;   // channel g multiplies roughness (glTF)
     float metallic;           // 0 … 1
     uint metallic_texture;    // channel b multiplies metallic (glTF)
@@ -298,6 +305,7 @@ struct SceneView {
     Instances instances;
     BvhNodes instance_nodes;  // top-level BVH; its leaves index instance_order
     Words instance_order;
+    Contacts contacts;
     Slots slots;
     BvhNodes nodes;  // of all meshes
     Triangles triangles;

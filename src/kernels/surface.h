@@ -3,6 +3,7 @@
 // From a hit to what shading needs: position with its error, normals, texture coordinates, material, and which
 // interiors the ray leaves and enters there.
 #include "bsdf.h"
+#include "contact.h"
 #include "frame.h"
 #include "interior.h"
 #include "light.h"
@@ -27,13 +28,6 @@ struct Surface {
     uint instance;
     uvec2 light_key;  // for light_of_primitive
 };
-
-FN bool in_contact(const_in(Instance) instance, vec3 p) {
-    vec3 l = instance.contact_lower;
-    vec3 u = instance.contact_upper;
-    return instance.contact_error > 0.0f && p.x >= l.x && p.y >= l.y && p.z >= l.z && p.x <= u.x && p.y <= u.y &&
-           p.z <= u.z;
-}
 
 FN vec3 rotate_normal(const_in(Instance) instance, vec3 n) { return n * mat3(instance.world_to_object); }
 
@@ -144,8 +138,9 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     float magnitude = max(max_component(column_sum) * extent + max_component(abs(instance.object_to_world[3])),
                           max_component(abs(s.position)));
     s.error = magnitude * ROUNDING_ERROR;
-    s.contact = in_contact(instance, s.position);
-    if (s.contact) s.error = max(s.error, instance.contact_error);
+    float touching = contact_error(scene, instance, s.position);
+    s.contact = touching > 0.0f;
+    s.error = max(s.error, touching);
 
     s.entering = dot(local_direction, outward) < 0.0f;
     s.geometric_normal = normalize_any(rotate_normal(instance, normalize_any(outward)));

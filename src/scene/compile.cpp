@@ -39,6 +39,7 @@ kernels::SceneView CompiledScene::view() const {
     v.instances.at = instances.data();
     v.instance_nodes.at = instance_nodes.data();
     v.instance_order.at = instance_order.data();
+    v.contacts.at = contacts.data();
     v.slots.at = slots.data();
     v.nodes.at = nodes.data();
     v.triangles.at = triangles.data();

@@ -143,6 +143,8 @@ bool same_plane(const kernels::Instance& a, const kernels::Instance& b) {
 struct Finder {
     Compilation& c;
     std::vector<Box> bounds = {};  // of bounded instances
+    std::vector<std::vector<kernels::Contact>> contacts =
+        std::vector<std::vector<kernels::Contact>>(c.out.instances.size());
 
     Placed placed(uint i) const { return {c.out.instances[i], c.shapes[std::size_t(c.scene.objects[i].geometry)]}; }
 
@@ -153,13 +155,24 @@ struct Finder {
         return false;
     }
 
+    // Contacts of an instance share a box if their errors are alike: few boxes to look through, and a large error far
+    // away says nothing of what is near.
     void add_contact(uint i, const Box& where, float error) {
-        kernels::Instance& instance = c.out.instances[i];
-        const Box all =
-            instance.contact_error > 0 ? hull({instance.contact_lower, instance.contact_upper}, where) : where;
-        instance.contact_lower = all.lower;
-        instance.contact_upper = all.upper;
-        instance.contact_error = std::max(instance.contact_error, error);
+        for (kernels::Contact& contact : contacts[i]) {
+            if (std::ilogb(contact.error) / 2 != std::ilogb(error) / 2) continue;
+            const Box all = hull({contact.lower, contact.upper}, where);
+            contact = {all.lower, all.upper, std::max(contact.error, error)};
+            return;
+        }
+        contacts[i].push_back({where.lower, where.upper, error});
+    }
+
+    void write_contacts() {
+        for (uint i = 0; i < contacts.size(); ++i) {
+            c.out.instances[i].contact_first = uint(c.out.contacts.size());
+            c.out.instances[i].contact_count = uint(contacts[i].size());
+            c.out.contacts.insert(c.out.contacts.end(), contacts[i].begin(), contacts[i].end());
+        }
     }
 
     void meet(uint a, uint b) {
@@ -168,7 +181,7 @@ struct Finder {
         if (pa.shape.bounded) shared = intersection(shared, bounds[a]);
         if (pb.shape.bounded) shared = intersection(shared, bounds[b]);
         Box where = everywhere;
-        float error = 0;
+        float error = 0;  // of planes: what grows with the distance is in Surface::error
         if (pa.shape.bounded || pb.shape.bounded) {
             // A mesh is asked last, about as little as possible.
             if (pa.instance.geometry_kind == kernels::GEOMETRY_MESH) std::swap(a, b);
@@ -179,6 +192,9 @@ struct Finder {
             where = grown(where, 2 * error);
         } else if (!same_plane(pa.instance, pb.instance)) {
             return;
+        } else {
+            error = std::max(std::max(position_error(pa, {vec3(0), vec3(0)}), position_error(pb, {vec3(0), vec3(0)})),
+                             1e-30f);
         }
         add_contact(a, where, error);
         add_contact(b, where, error);
@@ -223,6 +239,7 @@ void find_contacts(Compilation& c) {
             const uint plane = out.instance_order[p], other = out.instance_order[k];
             if (inside[plane] || inside[other]) finder.meet(plane, other);
         }
+    finder.write_contacts();
 }
 
 }  // namespace spinel

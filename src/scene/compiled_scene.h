@@ -15,6 +15,7 @@ struct CompiledScene {
     std::vector<kernels::Instance> instances;
     std::vector<kernels::BvhNode> instance_nodes;
     std::vector<std::uint32_t> instance_order;
+    std::vector<kernels::Contact> contacts;
     std::vector<kernels::Slot> slots;
     std::vector<kernels::BvhNode> nodes;
     std::vector<kernels::Triangle> triangles;
