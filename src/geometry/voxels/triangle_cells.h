@@ -19,7 +19,10 @@ class TriangleCells {
     TriangleCells(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
         : lower_(glm::min(a, glm::min(b, c))), upper_(glm::max(a, glm::max(b, c))), normal_(glm::cross(b - a, c - a)) {
         const double length = glm::length(normal_);
-        if (length > 0) normal_ /= length;
+        // Of a triangle without area, what fused multiplication leaves of the product is no direction: a segment has no
+        // plane, its edges say all.
+        if (length > 1e-14 * glm::length(b - a) * glm::length(c - a)) normal_ /= length;
+        else normal_ = glm::dvec3(0);
         glm::dvec3 far_corner, near_corner;
         for (int i = 0; i < 3; ++i) {
             far_corner[i] = normal_[i] > 0 ? 1 : 0;
