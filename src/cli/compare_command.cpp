@@ -37,9 +37,10 @@ Result<Picture> read_picture(const std::string& path) {
     for (std::size_t i = 0; i < pixels->value_count(); ++i) {
         if (int(i % std::size_t(pixels->channels)) >= channels) continue;
         const float stored = bytes ? float((*bytes)[i]) / 255 : std::get<std::vector<float>>(pixels->data)[i];
-        picture.linear.values.push_back(bytes ? srgb_decoded(stored) : stored);
+        picture.linear.values.push_back(pixels->encoded ? srgb_decoded(stored) : stored);
         // NaN is no colour, and stays what it is for the metric to refuse.
-        picture.display.values.push_back(bytes || std::isnan(stored) ? stored : std::min(srgb_encoded(stored), 1.0f));
+        picture.display.values.push_back(pixels->encoded || std::isnan(stored) ? stored
+                                                                               : std::min(srgb_encoded(stored), 1.0f));
     }
     return picture;
 }

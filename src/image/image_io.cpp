@@ -114,7 +114,7 @@ Result<PixelBuffer> read(const std::string& name, OIIO::Filesystem::IOProxy* pro
         return cannot_read(name, "its " + std::to_string(values) + " values are more than the " +
                                      std::to_string(MAX_VALUES) + " allowed");
 
-    PixelBuffer result{spec.full_width, spec.full_height, int(chosen.size()), {}};
+    PixelBuffer result{spec.full_width, spec.full_height, int(chosen.size()), {}, !spec.format.is_floating_point()};
     bool done = false;
     if (spec.format == OIIO::TypeDesc::UINT8 && spec.channelformats.empty()) {
         done =

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/parallel.h"
+#include "image/tone_map.h"
 
 namespace spinel {
 namespace {
@@ -110,18 +111,12 @@ void k_means(const std::vector<Bin>& bins, std::vector<dvec3>& centres, std::vec
     }
 }
 
-float srgb_encoded(float x) {
-    x = std::clamp(x, 0.0f, 1.0f);
-    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-}
-
-float srgb_decoded(float x) { return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f); }
-
 }  // namespace
 
 std::uint32_t srgb8(vec3 linear) {
     std::uint32_t color = 0;
-    for (int i = 0; i < 3; ++i) color |= std::uint32_t(std::lround(255 * srgb_encoded(linear[i]))) << (8 * i);
+    for (int i = 0; i < 3; ++i)
+        color |= std::uint32_t(std::lround(255 * srgb_encoded(std::min(linear[i], 1.0f)))) << (8 * i);
     return color;
 }
 

@@ -12,8 +12,9 @@ namespace spinel {
 struct PixelBuffer {
     int width = 0;
     int height = 0;
-    int channels = 0;  // 1 … 4
-    std::variant<std::vector<std::uint8_t>, std::vector<float>> data;
+    int channels = 0;                                                  // 1 … 4
+    std::variant<std::vector<std::uint8_t>, std::vector<float>> data;  // 8 bits a value; or more, integers as 0 … 1
+    bool encoded = false;  // stored as integers: colours are sRGB-encoded, unless the picture is data
     std::size_t value_count() const { return std::size_t(width) * std::size_t(height) * std::size_t(channels); }
 };
 

@@ -2,6 +2,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "image/pixels.h"
+#include "image/tone_map.h"
 #include "kernels/texture.h"
 #include "scene/compilation.h"
 
@@ -56,6 +57,8 @@ kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& word
         words.reserve(words.size() + 2 * count);
         for (std::size_t i = 0; i < count; ++i) {
             auto p = rgba_of<float>(floats.data() + i * std::size_t(pixels.channels), pixels.channels, 1.0f);
+            if (image.srgb && pixels.encoded)
+                for (int k = 0; k < 3; ++k) p[k] = srgb_decoded(p[k]);
             for (int k = 0; k < 4; ++k) p[k] = std::isfinite(p[k]) ? glm::clamp(p[k], -65504.0f, 65504.0f) : 0.0f;
             words.push_back(glm::packHalf2x16({p.x, p.y}));
             words.push_back(glm::packHalf2x16({p.z, p.w}));
