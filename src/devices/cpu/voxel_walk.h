@@ -93,6 +93,7 @@ inline void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint gr
         nearest = _mm_min_ps(nearest, _mm_shuffle_ps(nearest, nearest, _MM_SHUFFLE(2, 3, 0, 1)));
         __m128 at_nearest = _mm_cmpeq_ps(planes, nearest);
         const uint crossed = uint(_mm_movemask_ps(at_nearest));
+        if (!crossed) return;  // not a number
         axis = uint(std::countr_zero(crossed));
         if (crossed & (crossed - 1)) [[unlikely]]  // x before y before z
             at_nearest = _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(int(axis))));
