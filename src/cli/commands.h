@@ -27,6 +27,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> info_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> list_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> trace_command(CLI::App& app, const CommonOptions& common);
+std::function<int()> bench_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> compare_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> convert_command(CLI::App& app, const CommonOptions& common);
 std::function<int()> generate_command(CLI::App& app, const CommonOptions& common);

@@ -54,6 +54,10 @@ constexpr Row commands[] = {
      "  spinel trace bunny.ply --rays rays.npy -o hits.npy\n"
      "  spinel trace scene.json --rays rays.npy -o hits.npy --accel brute-force",
      trace_command},
+    {"bench", "measure what answers rays: structures side by side",
+     "  spinel bench monu3.vox\n"
+     "  spinel bench --voxels terrain.vdb --from 120.3,205.7,90.2 --at 600,60,640 --size 1024 --json",
+     bench_command},
     {"compare", "tell how far two pictures are apart",
      "  spinel compare picture.png reference.png --metric flip\n"
      "  spinel compare picture.exr reference.exr --metric mean --threshold 0.01",

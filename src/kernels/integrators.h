@@ -1,28 +1,33 @@
 #ifndef SPINEL_KERNELS_INTEGRATORS_H
 #define SPINEL_KERNELS_INTEGRATORS_H
-// What a sample of a pixel can be. To add an integrator: a function here or in a header of its own, and one row in
-// integrator_table.h; the devices, `spinel list integrators`, the scene file and the command line follow from it.
+// What a sample of a pixel can be: an integrator takes the state of a camera ray and its first hit. To add one: a
+// function here or in a header of its own, and one row in integrator_table.h; the devices, `spinel list integrators`,
+// the scene file and the command line follow from it.
 #include "integrator_table.h"
 #include "path.h"
 KERNELS_BEGIN
 
-FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    PathState state = trace_path(scene, settings, pixel, index);
+FN PixelSample path_sample(const_in(PathState) state) {
     return PixelSample(state.radiance, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
+FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    path_follow(scene, settings, state, hit);
+    return path_sample(state);
+}
+
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
-FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
+FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
     PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0);
-    PathState state = trace_path(scene, seen, pixel, index);
+    path_follow(scene, seen, state, hit);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
-FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel,
-                         uint index) {
+FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator,
+                         const_in(PathState) state, const_in(Hit) hit) {
 #define SPINEL_INTEGRATOR_CASE(number, name, doc) \
-    if (integrator == number) return integrate_##name(scene, settings, pixel, index);
+    if (integrator == number) return integrate_##name(scene, settings, state, hit);
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)
 #undef SPINEL_INTEGRATOR_CASE
     return PixelSample(vec3(0.0f), FirstHit(vec3(0.0f), 0.0f, vec3(0.0f), NONE), false);

@@ -1,6 +1,6 @@
 #ifndef SPINEL_KERNELS_PATH_H
 #define SPINEL_KERNELS_PATH_H
-// The path tracer as a state machine. A device may run its four stages as one kernel (trace_path below) or as separate
+// The path tracer as a state machine. A device may run its four stages as one kernel (path_follow below) or as separate
 // kernels over queues of states:
 //
 //   path_generate   a camera ray
@@ -321,10 +321,8 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     return c;
 }
 
-// What a connection brings home.
+// What a connection brings home that nothing stops for sure.
 FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connection c) {
-    if (!c.valid) return vec3(0.0f);
-    if (trace_occluded(scene, c.ray)) return vec3(0.0f);
     SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), state.weights.hero);
     if (c.inside.count > 0u || scene.pass_through_count > 0u) {
         Ray ray = c.ray;
@@ -371,15 +369,14 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
     return density > 0.0f ? c.value * w.throughput / density : vec3(0.0f);
 }
 
-// One whole path.
-FN PathState trace_path(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    PathState state = path_generate(scene, settings, pixel, index);
+// Follows a path from the hit at the end of its ray to its own end.
+FN void path_follow(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, Hit hit) {
     for (uint i = 0u; i <= MAX_PATH_SEGMENTS && (state.flags & PATH_ALIVE) != 0u; ++i) {
-        Hit hit = path_extend(scene, state);
+        if (i > 0u) hit = path_extend(scene, state);
         Connection c = path_shade(scene, settings, state, hit);
-        if (c.valid) state.radiance += clamped(settings, state, path_connect(scene, state, c));
+        if (c.valid && !trace_occluded(scene, c.ray))
+            state.radiance += clamped(settings, state, path_connect(scene, state, c));
     }
-    return state;
 }
 
 KERNELS_END

@@ -27,6 +27,13 @@ struct Hit {
 
 FN Hit no_hit(float t_max) { return Hit(t_max, NONE, 0u, 0u, vec2(0.0f), ivec3(0), vec3(0.0f)); }
 FN bool is_hit(const_in(Hit) hit) { return hit.instance != NONE; }
+
+// The next number above t, which is finite.
+FN float next_above(float t) {
+    if (t == 0.0f) return bits_float(1u);
+    return t > 0.0f ? bits_float(float_bits(t) + 1u) : bits_float(float_bits(t) - 1u);
+}
+
 FN vec3 ray_at(Ray ray, float t) { return ray.origin + t * ray.direction; }
 
 KERNELS_END

@@ -1,8 +1,10 @@
 #ifndef SPINEL_KERNELS_TRAVERSE_H
 #define SPINEL_KERNELS_TRAVERSE_H
-// The reference walk over the scene for every device: a top-level BVH over the bounded instances, then the
-// unbounded ones one by one. A ray is carried into an instance's local space without normalising its
-// direction, so t keeps its meaning.
+// The walk over the scene: a top-level BVH over the bounded instances, then the unbounded ones one by one. A ray is
+// carried into an instance's local space without normalising its direction, so t keeps its meaning.
+//
+// Of surfaces at the same t, that of the instance with the lowest number is the hit, so that the answer does not depend
+// on the order in which a walk comes by: devices, and rays alone or in packets, agree.
 #include "box.h"
 #include "bvh.h"
 #include "device.h"
@@ -23,16 +25,24 @@ FN Ray ray_to_local(const_in(Instance) instance, Ray ray) {
                instance.world_to_object * vec4(ray.direction, 0.0f), ray.t_max);
 }
 
+// Up to where an instance is asked for a nearer hit than the one found: that one itself counts as farther if it is of
+// an instance with a higher number.
+FN float instance_limit(uint instance, const_in(Hit) hit) {
+    return is_hit(hit) && instance < hit.instance ? next_above(hit.t) : hit.t;
+}
+
 // The nearest hit of one instance in (ray.t_min, hit.t).
 FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inout(Hit) hit) {
     Ray local = ray_to_local(scene.instances.at[instance], ray);
     uint geometry = scene.instances.at[instance].geometry;
     float before = hit.t;
-    local.t_max = before;
+    float limit = instance_limit(instance, hit);
+    local.t_max = limit;
+    hit.t = limit;
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: mesh_closest(scene, geometry, local, hit); break;
         case GEOMETRY_VOXELS:
-            voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            device_voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
             break;
         case GEOMETRY_SDF: sdf_closest(scene, geometry, local, hit); break;
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
@@ -40,7 +50,8 @@ FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inou
         case GEOMETRY_PLANE: plane_closest(local, hit); break;
         case GEOMETRY_RECTANGLE: rectangle_closest(local, hit); break;
     }
-    if (hit.t < before) hit.instance = instance;
+    if (hit.t < limit) hit.instance = instance;
+    else hit.t = before;
 }
 
 // Whether one instance is hit in (ray.t_min, ray.t_max).
@@ -50,7 +61,9 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     Hit hit = no_hit(ray.t_max);
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: return mesh_any(scene, geometry, local);
-        case GEOMETRY_VOXELS: return voxels_any(scene, geometry, scene.instances.at[instance].slot_first, local);
+        case GEOMETRY_VOXELS:
+            device_voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            break;
         case GEOMETRY_SDF: return sdf_any(scene, geometry, local);
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
         case GEOMETRY_BOX: box_closest(local, hit); break;
@@ -60,7 +73,7 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     return hit.t < ray.t_max;
 }
 
-FN Hit walk_closest(const_in(SceneView) scene, Ray ray, uint mask) {
+FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     Hit hit = no_hit(ray.t_max);
     if (scene.bounded_count > 0u) {
         SlabRay slab = slab_ray(ray);
@@ -92,7 +105,7 @@ FN Hit walk_closest(const_in(SceneView) scene, Ray ray, uint mask) {
             bool found = false;
             while (stack_size > 0u && !found) {
                 --stack_size;
-                found = stack.enter[stack_size] < hit.t;
+                found = stack.enter[stack_size] <= hit.t;
                 entry = stack.entry[stack_size];
             }
             if (!found) break;
@@ -105,7 +118,7 @@ FN Hit walk_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     return hit;
 }
 
-FN bool walk_any(const_in(SceneView) scene, Ray ray, uint mask) {
+FN bool trace_any(const_in(SceneView) scene, Ray ray, uint mask) {
     for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
         uint instance = scene.instance_order.at[i];
         if (instance_admitted(scene.instances.at[instance].flags, mask) && instance_any(scene, instance, ray))
@@ -204,9 +217,12 @@ FN uint next_instance(const_in(SceneView) scene, inout(InstanceWalk) walk) {
     return instance;
 }
 
-#ifndef SPINEL_DEVICE_TRAVERSAL
-FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) { return walk_closest(scene, ray, mask); }
-FN bool trace_occluded(const_in(SceneView) scene, Ray ray) { return walk_any(scene, ray, TRACE_SOLID); }
+FN bool trace_occluded(const_in(SceneView) scene, Ray ray) { return trace_any(scene, ray, TRACE_SOLID); }
+
+#ifndef __cplusplus
+void device_voxels_closest(const_in(SceneView) scene, uint grid, uint slot_first, Ray ray, inout(Hit) hit) {
+    voxels_closest(scene, grid, slot_first, ray, hit);
+}
 #endif
 
 KERNELS_END

@@ -310,12 +310,5 @@ FN void voxels_closest(const_in(SceneView) scene, uint grid_index, uint slot_fir
     }
 }
 
-// Whether any interface lies in (ray.t_min, ray.t_max).
-FN bool voxels_any(const_in(SceneView) scene, uint grid, uint slot_first, Ray ray) {
-    Hit hit = no_hit(ray.t_max);
-    voxels_closest(scene, grid, slot_first, ray, hit);
-    return hit.t < ray.t_max;
-}
-
 KERNELS_END
 #endif

@@ -21,8 +21,10 @@ using kernels::SceneView;
 // here.
 constexpr Accelerator table[] = {
     {"bvh2", "binary BVH over triangles and over instances, stack walk",
-     [](const SceneView& scene, const Ray& ray, kernels::uint mask) { return kernels::walk_closest(scene, ray, mask); },
-     [](const SceneView& scene, const Ray& ray, kernels::uint mask) { return kernels::walk_any(scene, ray, mask); }},
+     [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
+         return kernels::trace_closest(scene, ray, mask);
+     },
+     [](const SceneView& scene, const Ray& ray, kernels::uint mask) { return kernels::trace_any(scene, ray, mask); }},
     {"brute-force", "the naive twin: every primitive in double precision, to test the others against",
      brute_force_closest, brute_force_any},
 };

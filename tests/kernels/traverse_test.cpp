@@ -27,9 +27,9 @@ struct Agreement {
     void check(const kernels::SceneView& scene, const kernels::Ray& r, float precision,
                std::uint32_t mask = kernels::TRACE_ALL) {
         ++rays;
-        const Hit hit = kernels::walk_closest(scene, r, mask);
+        const Hit hit = kernels::trace_closest(scene, r, mask);
         const bool found = kernels::is_hit(hit);
-        ASSERT_EQ(kernels::walk_any(scene, r, mask), found) << describe(r);
+        ASSERT_EQ(kernels::trace_any(scene, r, mask), found) << describe(r);
         const double tolerance = double(precision) / double(glm::length(r.direction));
         const auto agrees = [&](const ReferenceHit& other, double factor) {
             if ((other.hit.instance != NO) != found) return false;
@@ -230,7 +230,7 @@ void expect_no_leaks(const MeshGeometry& mesh, int ray_count, vec3 inside, float
         if (i % 4 == 1) target = glm::mix(mesh.positions[t.x], mesh.positions[t.y], random.uniform(0, 1));
         vec3 direction = i % 4 == 2 ? random.awkward_direction() : target - origin;
         if (i % 4 == 3) direction = random.direction();
-        if (!kernels::is_hit(kernels::walk_closest(scene, ray(origin, direction), kernels::TRACE_ALL))) {
+        if (!kernels::is_hit(kernels::trace_closest(scene, ray(origin, direction), kernels::TRACE_ALL))) {
             if (leaks++ == 0) ADD_FAILURE() << describe(ray(origin, direction));
         }
     }
@@ -306,7 +306,7 @@ TEST(Walk, no_ray_leaks_between_two_triangles_of_a_scanned_mesh) {
             if (!(c0 * c1 > 0.01)) continue;  // a silhouette, or nearly
             ++tested;
             const kernels::Ray r = ray(target - 0.3f * direction, direction);
-            const Hit hit = kernels::walk_closest(scene, r, kernels::TRACE_ALL);
+            const Hit hit = kernels::trace_closest(scene, r, kernels::TRACE_ALL);
             if (!(hit.t < 0.3001f) && leaks++ == 0) ADD_FAILURE() << describe(r);
         }
     }

@@ -216,7 +216,6 @@ TEST(VoxelWalk, no_ray_leaves_a_closed_room) {
         const kernels::Ray r = ray(origin, direction);
         const Hit hit = closest(scene, r);
         ASSERT_TRUE(kernels::is_hit(hit)) << describe(r);
-        ASSERT_TRUE(kernels::voxels_any(scene, 0, 0, r));
         const vec3 p = kernels::ray_at(r, hit.t);
         ASSERT_NEAR(kernels::max_component(glm::abs(p - vec3(8))), 7, 1e-4) << describe(r);
     }
@@ -288,6 +287,52 @@ void expect_equals_the_plain_walk(int ray_count, std::uint32_t seed) {
             ASSERT_EQ(fast.cell, hit.cell) << describe(r);
             ASSERT_EQ(fast.face, hit.face) << describe(r);
             ASSERT_EQ(fast.primitive, hit.primitive) << describe(r);
+        }
+    }
+    EXPECT_GT(hits, ray_count / 10);
+}
+
+// Eight rays of a beam, or of no relation at all: what each finds alone, each finds in company.
+void expect_packets_equal_single_rays(int ray_count, std::uint32_t seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    int hits = 0, rays = 0;
+    for (int round = 0; rays < ray_count; ++round) {
+        const VoxelGeometry set = random_set(random, 90, round % 2);
+        TestScene parts;
+        parts.add(set);
+        parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);
+        const kernels::SceneView& scene = parts.view();
+        for (int i = 0; i < 1250; ++i, rays += packet_size) {
+            const kernels::Ray beam = awkward_ray(random, set.tree->size(), i);
+            const float spread = std::exp(random.uniform(-8, 1)) * glm::length(beam.direction);
+            kernels::Ray packet[packet_size];
+            Hit together[packet_size];
+            for (int k = 0; k < packet_size; ++k) {
+                kernels::Ray& r = packet[k] = i % 3 ? beam : awkward_ray(random, set.tree->size(), i);
+                for (int axis = 0; axis < 3 && i % 3 && k; ++axis) {
+                    // What is exactly zero stays so in some rays.
+                    if (r.direction[axis] != 0 || k % 2) r.direction[axis] += spread * random.uniform(-1, 1);
+                    if (i % 2) r.origin[axis] += random.uniform(-3, 3);
+                    if (i % 4 == 1) r.origin[axis] = std::round(r.origin[axis]);
+                }
+                if (i % 7 == 0) r.t_max = random.uniform(0, 100) / glm::length(r.direction);
+                together[k] = kernels::no_hit(r.t_max);
+            }
+            const unsigned lanes = i % 5 ? 0xffu : unsigned(random.below(256));
+            const unsigned found = cpu_voxels_closest8(scene, 0, 0, packet, lanes, together);
+            for (int k = 0; k < packet_size; ++k) {
+                const kernels::Ray& r = packet[k];
+                Hit alone = kernels::no_hit(r.t_max);
+                if (lanes >> k & 1) kernels::voxels_closest(scene, 0, 0, r, alone);
+                ASSERT_EQ(found >> k & 1, unsigned(alone.t < r.t_max)) << describe(r);
+                hits += int(found >> k & 1);
+                ASSERT_EQ(together[k].t, alone.t) << describe(r);
+                ASSERT_EQ(together[k].cell, alone.cell) << describe(r);
+                ASSERT_EQ(together[k].face, alone.face) << describe(r);
+                ASSERT_EQ(together[k].primitive, alone.primitive) << describe(r);
+                ASSERT_EQ(together[k].uv, alone.uv) << describe(r);
+            }
         }
     }
     EXPECT_GT(hits, ray_count / 10);
@@ -471,8 +516,10 @@ void expect_equals_the_exact_walk(int ray_count, std::uint32_t seed) {
 }
 
 TEST(VoxelWalk, equals_the_plain_walk_bit_for_bit) { expect_equals_the_plain_walk(100000, 4); }
+TEST(VoxelWalk, packets_equal_single_rays_bit_for_bit) { expect_packets_equal_single_rays(200000, 5); }
 TEST(VoxelWalk, equals_the_walk_in_double_precision) { expect_equals_the_exact_walk(100000, 5); }
 TEST(VoxelWalkSlow, equals_the_plain_walk_bit_for_bit) { expect_equals_the_plain_walk(10000000, 6); }
+TEST(VoxelWalkSlow, packets_equal_single_rays_bit_for_bit) { expect_packets_equal_single_rays(10000000, 7); }
 TEST(VoxelWalkSlow, equals_the_walk_in_double_precision) { expect_equals_the_exact_walk(10000000, 7); }
 
 TEST(VoxelWalk, a_cell_is_found_as_on_the_host) {

@@ -85,6 +85,42 @@ TEST(Glass, water_against_glass_voxels_is_one_interface_as_of_nested_boxes) {
     expect_same_glass(voxels, boxes);
 }
 
+// An axis-aligned box in triangles, wound outwards.
+std::string box_mesh(dvec3 lower, dvec3 upper) {
+    std::string positions, triangles;
+    for (int i = 0; i < 8; ++i)
+        positions += fmt::format("{}[{}, {}, {}]", i ? ", " : "", i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y,
+                                 i & 4 ? upper.z : lower.z);
+    for (const glm::ivec4 q : {glm::ivec4(0, 4, 6, 2), glm::ivec4(1, 3, 7, 5), glm::ivec4(0, 1, 5, 4),
+                               glm::ivec4(2, 6, 7, 3), glm::ivec4(0, 2, 3, 1), glm::ivec4(4, 5, 7, 6)})
+        triangles +=
+            fmt::format("{}[{}, {}, {}], [{}, {}, {}]", triangles.empty() ? "" : ", ", q.x, q.y, q.z, q.x, q.z, q.w);
+    return fmt::format(R"({{"geometry": {{"type": "mesh", "positions": [{}], "triangles": [{}]}}, )", positions,
+                       triangles);
+}
+
+// A sparse set of 5×5×5: two layers of glass, and water around a notch of air in the others. The meshes overlap, and
+// the glass has the higher priority.
+TEST(Glass, water_touching_glass_touching_air_in_voxels_is_as_in_meshes) {
+    std::string cells;
+    for (int z = 0; z < 5; ++z)
+        for (int y = 0; y < 5; ++y)
+            for (int x = 0; x < 5; ++x)
+                cells += fmt::format("{}{}", cells.empty() ? "" : ",", x > 2 ? 2 : (y > 2 && z > 2 ? 0 : 1));
+    const TestPicture voxels = render_stage(stage(
+        R"({"geometry": {"type": "voxels", "size": [5, 5, 5], "cells": [)" + cells +
+            R"(]}, "material": ["water", "glass"], "transform": [{"translate": [-2.5, -2.5, -2.5]}, {"scale": 0.36}]})",
+        tint));
+    // The water: an L of two boxes of the same water, which overlap; what is entered twice is left twice.
+    const double s = 0.36;
+    const TestPicture meshes = render_stage(
+        stage(box_mesh(s * dvec3(-2.5, -2.5, -2.5), s * dvec3(1, 0.5, 2.5)) + R"("material": "water"}, )" +
+                  box_mesh(s * dvec3(-2.5, -2.5, -2.5), s * dvec3(1, 2.5, 0.5)) + R"("material": "water"}, )" +
+                  box_mesh(s * dvec3(0.5, -2.5, -2.5), s * dvec3(2.5, 2.5, 2.5)) + R"("material": "glass"})",
+              tint));
+    expect_same_glass(voxels, meshes);
+}
+
 TEST(Glass, a_glass_ball_in_water_displaces_it) {
     // Straight through the middle: air, water, glass, water, air; four bounces leave only the way without
     // reflections.

@@ -217,8 +217,8 @@ FN CaseResult voxels_case(const_in(SceneView) scene, uint i) {
 FN CaseResult scene_case(const_in(SceneView) scene, uint i) {
     Rng r = Rng(hash_uint(i), 0u);
     Ray ray = draw_ray(r, vec3(-4.0f, -2.0f, -2.0f), vec3(4.0f, 2.0f, 2.0f));
-    Hit hit = walk_closest(scene, ray, TRACE_ALL);
-    bool occluded = walk_any(scene, ray, TRACE_ALL);
+    Hit hit = trace_closest(scene, ray, TRACE_ALL);
+    bool occluded = trace_any(scene, ray, TRACE_ALL);
     return CaseResult(uvec4(hit.instance, occluded ? 1u : 0u, 0u, 0u),
                       vec4(is_hit(hit) ? hit.t : 0.0f, 0.0f, 0.0f, 0.0f), vec4(0.0f));
 }

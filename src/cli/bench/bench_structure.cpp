@@ -1,0 +1,120 @@
+#include "cli/bench/bench_structure.h"
+
+#include <bit>
+#include <chrono>
+#include <memory>
+
+#include "devices/cpu/packet_trace.h"
+#include "kernels/traverse.h"
+#include "spinel/trace.h"
+
+namespace spinel::cli {
+namespace {
+
+using kernels::Hit;
+using kernels::Ray;
+using kernels::SceneView;
+using kernels::uint;
+
+constexpr std::size_t most_dense_cells = std::size_t(1) << 29;
+
+template <class Build>
+double milliseconds(const Build& build) {
+    const auto start = std::chrono::steady_clock::now();
+    build();
+    return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// One walk of one set, ray by ray.
+template <class Walk>
+auto ray_by_ray(Walk walk) {
+    return [walk](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            Hit hit = kernels::no_hit(rays[i].t_max);
+            walk(rays[i], hit);
+            if (hit.t < rays[i].t_max) hit.instance = 0;
+            hits[i] = hit;
+        }
+    };
+}
+
+template <class T>
+double size_of(const std::vector<T>& v) {
+    return double(v.size() * sizeof(T));
+}
+
+}  // namespace
+
+std::vector<BenchStructure> scene_structures(const CompiledScene& scene, double build_ms) {
+    const SceneView view = scene.view();
+    const double bytes = size_of(scene.instance_nodes) + size_of(scene.instance_order) + size_of(scene.nodes) +
+                         size_of(scene.triangles) + size_of(scene.voxel_nodes);
+    std::vector<BenchStructure> list;
+    for (const Accelerator& accelerator : accelerators()) {
+        if (accelerator.name == std::string("brute-force")) continue;  // right, and far too slow to be timed
+        BenchStructure s;
+        s.name = accelerator.name;
+        s.build_ms = build_ms;
+        s.bytes = bytes;
+        s.closest = [view, &accelerator](std::span<const Ray> rays, Hit* hits) {
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                hits[i] = accelerator.closest(view, rays[i], kernels::TRACE_ALL);
+        };
+        s.any = [view, &accelerator](std::span<const Ray> rays, Hit* hits) {
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                hits[i].instance = accelerator.any(view, rays[i], kernels::TRACE_ALL) ? 0 : kernels::NONE;
+        };
+        list.push_back(std::move(s));
+    }
+    BenchStructure packets = list.front();
+    packets.name += ", 8 rays";
+    packets.closest = [view](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); i += packet_size)
+            cpu_trace_closest8(view, &rays[i], 0xff, kernels::TRACE_ALL, hits + i);
+    };
+    packets.any = [view](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); i += packet_size) {
+            const unsigned blocked = cpu_trace_any8(view, &rays[i], 0xff, kernels::TRACE_ALL);
+            for (int k = 0; k < packet_size; ++k)
+                hits[i + std::size_t(k)].instance = blocked >> k & 1 ? 0 : kernels::NONE;
+        }
+    };
+    list.push_back(std::move(packets));
+    return list;
+}
+
+std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, uint instance, const VoxelTree& tree) {
+    const SceneView view = scene.view();
+    const uint grid = scene.instances[instance].geometry, slots = scene.instances[instance].slot_first;
+    const VoxelTreeMemory memory = tree.memory();
+    const double bytes = double(memory.node_bytes + memory.reference_bytes);
+    std::vector<BenchStructure> list;
+    list.push_back({"64-tree", 0, bytes,
+                    ray_by_ray([=](const Ray& ray, Hit& hit) { cpu_voxels_closest(view, grid, slots, ray, hit); })});
+    list.push_back({"64-tree, 8 rays", 0, bytes, [=](std::span<const Ray> rays, Hit* hits) {
+                        for (std::size_t i = 0; i < rays.size(); i += packet_size) {
+                            for (std::size_t k = i; k < i + packet_size; ++k) hits[k] = kernels::no_hit(rays[k].t_max);
+                            unsigned found = cpu_voxels_closest8(view, grid, slots, &rays[i], 0xff, hits + i);
+                            for (; found; found &= found - 1) hits[i + unsigned(std::countr_zero(found))].instance = 0;
+                        }
+                    }});
+    list.push_back({"64-tree, kernel", 0, bytes, ray_by_ray([=](const Ray& ray, Hit& hit) {
+                        kernels::voxels_closest(view, grid, slots, ray, hit);
+                    })});
+    const glm::dvec3 size(tree.size());
+    if (size.x * size.y * size.z <= double(most_dense_cells)) {
+        auto dense = std::make_shared<DenseVoxels>();
+        const double build = milliseconds([&] { *dense = dense_voxels(tree); });
+        list.push_back({"dense 3D-DDA", build, size_of(dense->cells),
+                        ray_by_ray([=](const Ray& ray, Hit& hit) { dense_closest(view, *dense, slots, ray, hit); })});
+        list.back().stride = 8;
+    }
+    for (BenchStructure& peer : nanovdb_structures(tree)) list.push_back(std::move(peer));
+    return list;
+}
+
+#ifndef SPINEL_NANOVDB
+std::vector<BenchStructure> nanovdb_structures(const VoxelTree&) { return {}; }
+#endif
+
+}  // namespace spinel::cli

@@ -1,0 +1,34 @@
+#pragma once
+// What `spinel bench` puts side by side: structures that answer the same rays.
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geometry/voxels/dense_walk.h"
+#include "scene/compiled_scene.h"
+#include "spinel/voxels.h"
+
+namespace spinel::cli {
+
+struct BenchStructure {
+    std::string name;
+    double build_ms = 0;
+    double bytes = 0;  // of the structure alone: topology, not what the hits look like
+    // Answers rays, a multiple of eight: t, and of voxels the cell, are compared; `instance` is NONE for a miss.
+    std::function<void(std::span<const kernels::Ray>, kernels::Hit*)> closest;
+    std::function<void(std::span<const kernels::Ray>, kernels::Hit*)> any = {};  // missing: closest will do
+    std::size_t stride = 1;                                                      // slow ones take every so many groups
+};
+
+// Of the whole scene, in the order of the table; the first is what the others are compared with.
+std::vector<BenchStructure> scene_structures(const CompiledScene& scene, double build_ms);
+
+// Of one set of voxels, in its own space. `tree` is the set that instance `instance` shows.
+std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, kernels::uint instance, const VoxelTree& tree);
+
+// NanoVDB's hierarchical DDA, in leaves from voxel to voxel by their masks; nothing where Spinel was built without it.
+std::vector<BenchStructure> nanovdb_structures(const VoxelTree& tree);
+
+}  // namespace spinel::cli
