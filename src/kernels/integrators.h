@@ -4,6 +4,9 @@
 // integrator_table.h; the devices, `spinel list integrators`, the scene file and the command line follow from it.
 #include "integrator_table.h"
 #include "path.h"
+#include "preview_ao.h"
+#include "preview_cone.h"
+#include "preview_faces.h"
 KERNELS_BEGIN
 
 FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
@@ -13,7 +16,7 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
 
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0);
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview);
     PathState state = trace_path(scene, seen, pixel, index);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
@@ -21,7 +24,7 @@ FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSetting
 
 FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel,
                          uint index) {
-#define SPINEL_INTEGRATOR_CASE(number, name, doc) \
+#define SPINEL_INTEGRATOR_CASE(number, name, needs, doc) \
     if (integrator == number) return integrate_##name(scene, settings, pixel, index);
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)
 #undef SPINEL_INTEGRATOR_CASE
