@@ -19,7 +19,7 @@ KERNELS_BEGIN
 
 const uint MAX_CONE_STEPS = 2048u;
 const float CONE_OPAQUE = 1.0f / 256.0f;  // what is left of the light behind which nothing is asked
-const float CONE_DIFFUSE_TAN = 0.4f;      // narrower than a sixth of the hemisphere: the six move from sample to sample
+const float CONE_DIFFUSE_TAN = 0.25f;     // narrower than a sixth of the hemisphere: the six move from sample to sample
 const float CONE_SHADOW_TAN = 0.02f;      // the narrowest to the sun
 const float CONE_MIRROR_TAN = 0.01f;      // the narrowest of a reflection
 
@@ -30,8 +30,8 @@ struct ConeSeen {
     // One of the places that cover the cone, picked by how much they do.
     float covered;
     vec3 place;
+    float size;  // of the cone there
     vec3 albedo;
-    float facing;  // cosine to the sun there, of the faces that the cone sees
 };
 
 // Voxels of one instance at a point of a cone; size: of the footprint and of the step.
@@ -61,15 +61,9 @@ FN void cone_meets_set(const_in(SceneView) scene, uint instance, const_in(Instan
     seen.left -= taken;
     seen.covered += taken;
     if (rng_1d(rng) * seen.covered >= taken) return;
-    vec3 sun = placed.world_to_object * vec4(scene.preview_light.to_sun, 0.0f);
-    sun = normalize(sun);
-    vec3 weight = abs(d);
-    seen.place = p - size * direction;
+    seen.place = p;
+    seen.size = size;
     seen.albedo = look.albedo;
-    seen.facing =
-        (weight.x * max(d.x > 0.0f ? -sun.x : sun.x, 0.0f) + weight.y * max(d.y > 0.0f ? -sun.y : sun.y, 0.0f) +
-         weight.z * max(d.z > 0.0f ? -sun.z : sun.z, 0.0f)) /
-        (weight.x + weight.y + weight.z);
 }
 
 FN bool box_holds(vec3 lower, vec3 upper, vec3 p) {
@@ -103,7 +97,7 @@ FN void cone_meets(const_in(SceneView) scene, vec3 p, vec3 direction, float size
 // Marches a cone whose radius grows by `tangent` per unit of length, to the end of all that is bounded.
 FN ConeSeen trace_cone(const_in(SceneView) scene, vec3 origin, vec3 direction, float tangent, inout(Rng) rng,
                        inout(bool) bound_reached) {
-    ConeSeen seen = ConeSeen(1.0f, vec3(0.0f), 0.0f, origin, vec3(0.0f), 0.0f);
+    ConeSeen seen = ConeSeen(1.0f, vec3(0.0f), 0.0f, origin, 0.0f, vec3(0.0f));
     if (scene.bounded_count == 0u || !(scene.mip_edge > 0.0f)) return seen;
     vec3 lower = scene.instance_nodes.at[0].lower;
     vec3 upper = scene.instance_nodes.at[0].upper;
@@ -128,6 +122,22 @@ FN ConeSeen trace_cone(const_in(SceneView) scene, vec3 origin, vec3 direction, f
     return seen;
 }
 
+// Irradiance over π by the sun at the place that a cone picked. A short ray finds the surface there: the mips know
+// neither where in their cube it lies nor how it stands.
+FN vec3 bounced_sun(const_in(SceneView) scene, const_in(ConeSeen) seen, vec3 origin, vec3 direction) {
+    if (is_black(scene.preview_light.sun)) return vec3(0.0f);
+    float before = min(2.0f * seen.size, distance(seen.place, origin));
+    Ray look = Ray(seen.place - before * direction, 0.0f, direction, before + 2.0f * seen.size);
+    Hit hit = trace_closest(scene, look, TRACE_SOLID);
+    if (!is_hit(hit)) return vec3(0.0f);
+    Surface s = surface_at(scene, look, hit);
+    vec3 n = s.entering ? s.geometric_normal : -s.geometric_normal;
+    vec3 to_sun = scene.preview_light.to_sun;
+    if (!(dot(n, to_sun) > 0.0f)) return vec3(0.0f);
+    if (trace_occluded(scene, Ray(leave_surface(scene, s, to_sun), 0.0f, to_sun, INFINITE))) return vec3(0.0f);
+    return preview_sun(scene, n);
+}
+
 // Radiance along a cone: what emits, what throws back light, and the sky behind.
 FN vec3 cone_radiance(const_in(SceneView) scene, vec3 origin, vec3 direction, float tangent, inout(Rng) rng,
                       inout(bool) bound_reached) {
@@ -135,8 +145,7 @@ FN vec3 cone_radiance(const_in(SceneView) scene, vec3 origin, vec3 direction, fl
     vec3 radiance = seen.emitted + seen.left * environment_radiance(scene, direction);
     if (!(seen.covered > 0.0f)) return radiance;
     vec3 light = 0.25f * (scene.preview_light.sky_above + scene.preview_light.sky_below);  // half of their mean
-    if (seen.facing > 0.0f && !trace_occluded(scene, Ray(seen.place, 0.0f, scene.preview_light.to_sun, INFINITE)))
-        light += scene.preview_light.sun * (INV_PI * seen.facing);
+    light += bounced_sun(scene, seen, origin, direction);
     return radiance + seen.covered * seen.albedo * light;
 }
 
@@ -157,8 +166,8 @@ FN vec3 cone_shaded(const_in(SceneView) scene, const_in(PreviewView) view, inout
                     inout(bool) bound_reached) {
     vec3 wo = -view.ray.direction;
     vec3 n = view.surface.entering ? view.surface.geometric_normal : -view.surface.geometric_normal;
-    // Off the surface by most of a voxel, so that a look-up does not fall into the voxel itself.
-    vec3 origin = preview_origin(scene, view) + (0.75f * scene.mip_edge) * n;
+    // Off the surface by a little more than the first look-ups scatter, so that they do not fall into the voxel itself.
+    vec3 origin = preview_origin(scene, view) + (0.3f * scene.mip_edge) * n;
     Bsdf bsdf = surface_bsdf(scene, view.surface, 1.0f);
     vec3 wo_local = to_local(view.frame, wo);
     vec4 mirrored = mirrored_part(bsdf, view.albedo, wo_local.z);
