@@ -11,6 +11,7 @@
 // Cones see voxel sets and the sky, nothing else: other geometry is lit by them, but neither shadows nor lights by
 // them. What voxels throw back is one bounce of sun, with a shadow ray to one of the places that a cone saw, and half
 // the sky.
+#include "bvh.h"
 #include "preview_glow.h"
 #include "preview_shade.h"
 #include "voxel_mip.h"
