@@ -22,8 +22,24 @@ FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSetting
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
-FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel,
-                         uint index) {
+// The previews take the camera ray and its first hit (preview_shade.h).
+#define SPINEL_PREVIEW(call)                                     \
+    Sampler numbers = make_sampler(pixel, index, settings.seed); \
+    vec2 u_film = sampler_2d(numbers);                           \
+    vec2 u_lens = sampler_2d(numbers);                           \
+    Ray ray = camera_ray(scene.camera, pixel, u_film, u_lens);   \
+    Hit first = trace_closest(scene, ray, TRACE_ALL);            \
+    return call;
+FN PixelSample integrate_ao(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index){
+    SPINEL_PREVIEW(preview_ao(scene, settings.preview, ray, first, numbers))} FN PixelSample
+    integrate_faces(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel,
+                    uint index){SPINEL_PREVIEW(preview_faces(scene, settings.preview, ray, first))} FN PixelSample
+    integrate_cone(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel,
+                   uint index){SPINEL_PREVIEW(preview_cone(scene, settings.preview, ray, first, numbers))}
+#undef SPINEL_PREVIEW
+
+FN PixelSample
+    integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator, uvec2 pixel, uint index) {
 #define SPINEL_INTEGRATOR_CASE(number, name, needs, doc) \
     if (integrator == number) return integrate_##name(scene, settings, pixel, index);
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)

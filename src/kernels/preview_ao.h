@@ -57,20 +57,20 @@ FN float ray_sky_light(const_in(SceneView) scene, const_in(PreviewView) view, fl
     return trace_occluded(scene, Ray(preview_origin(scene, view), 0.0f, direction, radius)) ? 0.0f : 1.0f;
 }
 
-FN PixelSample integrate_ao(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    Sampler numbers = make_sampler(pixel, index, settings.seed);
-    PreviewView view = preview_view(scene, preview_camera_ray(scene, numbers, pixel));
+FN PixelSample preview_ao(const_in(SceneView) scene, const_in(PreviewSettings) settings, Ray ray, const_in(Hit) first,
+                          Sampler numbers) {
+    PreviewView view = preview_view(scene, ray, first);
     vec3 shaded = vec3(0.0f);
     if (view.found) {
         vec2 u = sampler_2d(numbers);
         float open = scene.instances.at[view.surface.instance].geometry_kind == GEOMETRY_VOXELS
                          ? voxel_neighbour_light(scene, view.hit)
-                         : ray_sky_light(scene, view, settings.preview.ao_radius, u);
+                         : ray_sky_light(scene, view, settings.ao_radius, u);
         vec3 n = view.frame.z;
-        float left = 1.0f - settings.preview.ao_strength * (1.0f - open);
+        float left = 1.0f - settings.ao_strength * (1.0f - open);
         shaded = view.albedo * (left * (preview_sky(scene, n) + preview_sun(scene, n)));
     }
-    return preview_with_glow(scene, settings.preview, view, preview_sample(scene, view, shaded));
+    return preview_with_glow(scene, settings, view, preview_sample(scene, view, shaded));
 }
 
 KERNELS_END

@@ -205,9 +205,9 @@ FN vec3 cone_shaded(const_in(SceneView) scene, const_in(PreviewView) view, inout
     return shaded;
 }
 
-FN PixelSample integrate_cone(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    Sampler numbers = make_sampler(pixel, index, settings.seed);
-    PreviewView view = preview_view(scene, preview_camera_ray(scene, numbers, pixel));
+FN PixelSample preview_cone(const_in(SceneView) scene, const_in(PreviewSettings) settings, Ray ray, const_in(Hit) first,
+                            Sampler numbers) {
+    PreviewView view = preview_view(scene, ray, first);
     Rng rng = make_rng(numbers, 0u);
     vec3 shaded = vec3(0.0f);
     if (view.found) {
@@ -215,7 +215,7 @@ FN PixelSample integrate_cone(const_in(SceneView) scene, const_in(PathSettings) 
         shaded = cone_shaded(scene, view, numbers, rng, bound_reached);
         view.bound_reached = bound_reached;
     }
-    return preview_with_glow(scene, settings.preview, view, preview_sample(scene, view, shaded));
+    return preview_with_glow(scene, settings, view, preview_sample(scene, view, shaded));
 }
 
 KERNELS_END

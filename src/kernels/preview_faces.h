@@ -6,9 +6,9 @@
 #include "preview_shade.h"
 KERNELS_BEGIN
 
-FN PixelSample integrate_faces(const_in(SceneView) scene, const_in(PathSettings) settings, uvec2 pixel, uint index) {
-    Sampler numbers = make_sampler(pixel, index, settings.seed);
-    PreviewView view = preview_view(scene, preview_camera_ray(scene, numbers, pixel));
+FN PixelSample preview_faces(const_in(SceneView) scene, const_in(PreviewSettings) settings, Ray ray,
+                             const_in(Hit) first) {
+    PreviewView view = preview_view(scene, ray, first);
     vec3 shaded = vec3(0.0f);
     if (view.found) {
         // The normal of the face itself, on the viewer's side: shading normals would not be flat.
@@ -21,7 +21,7 @@ FN PixelSample integrate_faces(const_in(SceneView) scene, const_in(PathSettings)
         }
         shaded = view.albedo * light;
     }
-    return preview_with_glow(scene, settings.preview, view, preview_sample(scene, view, shaded));
+    return preview_with_glow(scene, settings, view, preview_sample(scene, view, shaded));
 }
 
 KERNELS_END

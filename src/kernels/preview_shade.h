@@ -6,7 +6,6 @@
 // below the horizon. Lamps are not looked at, but surfaces that emit are as bright as they are. A scene with neither is
 // shown in the light of a studio (compile_preview.cpp). Glass is seen through without being bent, with the sky
 // reflected in it and its absorption on the way; media are not seen.
-#include "camera.h"
 #include "device.h"
 #include "environment.h"
 #include "path_settings.h"
@@ -56,8 +55,8 @@ FN void preview_look_through(const_in(SceneView) scene, inout(PreviewView) view,
     absorption = view.surface.entering ? m.absorption : vec3(0.0f);
 }
 
-// The first surface along a camera ray that has a material and is more opaque than not.
-FN PreviewView preview_view(const_in(SceneView) scene, Ray ray) {
+// The first surface along a camera ray, whose nearest hit is given, that has a material and is more opaque than not.
+FN PreviewView preview_view(const_in(SceneView) scene, Ray ray, const_in(Hit) first) {
     PreviewView view;
     view.found = false;
     view.ray = ray;
@@ -67,8 +66,8 @@ FN PreviewView preview_view(const_in(SceneView) scene, Ray ray) {
     view.before = vec3(0.0f);
     view.bound_reached = false;
     vec3 absorption = vec3(0.0f);
+    view.hit = first;
     for (uint i = 0u; i < MAX_PREVIEW_LAYERS; ++i) {
-        view.hit = trace_closest(scene, view.ray, TRACE_ALL);
         if (!is_hit(view.hit)) return view;
         view.surface = surface_at(scene, view.ray, view.hit);
         view.distance += distance(view.ray.origin, view.surface.position);
@@ -86,6 +85,7 @@ FN PreviewView preview_view(const_in(SceneView) scene, Ray ray) {
         }
         if (seen) preview_look_through(scene, view, absorption);
         view.ray.origin = leave_surface(scene, view.surface, ray.direction);
+        view.hit = trace_closest(scene, view.ray, TRACE_ALL);
     }
     view.bound_reached = true;
     return view;
@@ -112,12 +112,6 @@ FN vec3 preview_origin(const_in(SceneView) scene, const_in(PreviewView) view) {
 // Irradiance by the sun over π, with nothing in its way.
 FN vec3 preview_sun(const_in(SceneView) scene, vec3 normal) {
     return scene.preview_light.sun * (INV_PI * max(dot(normal, scene.preview_light.to_sun), 0.0f));
-}
-
-FN Ray preview_camera_ray(const_in(SceneView) scene, inout(Sampler) numbers, uvec2 pixel) {
-    vec2 u_film = sampler_2d(numbers);
-    vec2 u_lens = sampler_2d(numbers);
-    return camera_ray(scene.camera, pixel, u_film, u_lens);
 }
 
 KERNELS_END
