@@ -108,7 +108,8 @@ struct MeshGeometry {
 
 // Cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) of local space. Palette index p uses material slot p − 1.
 struct VoxelGeometry {
-    VoxelTreePointer tree;  // never null in a valid scene
+    VoxelTreePointer tree;      // never null in a valid scene
+    float level_of_detail = 0;  // pixels: what is opaque is kept no finer than this as the camera sees it; 0: whole
 };
 
 // The box of a density grid: has no surface of its own, holds an object's interior medium.
@@ -223,13 +224,18 @@ struct Film {
     float filter_radius = 1.5f;  // pixels; a box of radius 0.5 is the pixel itself
 };
 
-// What the path tracer should do; the command line overrides it.
+// What the integrator should do; the command line overrides it.
 struct IntegratorSettings {
     std::string name = "path";
     int spp = 64;     // samples per pixel
     float clamp = 0;  // most that one path may add by indirect light, against sparks; 0: none, unbiased
     int max_bounces =
         -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
+    // Of the previews alone:
+    float ao_radius = 0;    // world units: reach of ambient occlusion by rays; 0: a twentieth of the scene's diagonal
+    float ao_strength = 1;  // 0 … 1
+    float glow = 0;         // of the halo about voxels that emit; 0: none
+    float glow_radius = 0;  // world units; 0: four voxels of the set
 };
 
 // A scene file that is a test carries what it must give: the mean over the picture.

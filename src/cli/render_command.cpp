@@ -19,6 +19,7 @@
 #include "image/image_io.h"
 #include "render/render.h"
 #include "scene/compiled_scene.h"
+#include "scene/integrator_setting.h"
 #include "spinel/formats.h"
 
 namespace spinel::cli {
@@ -36,6 +37,8 @@ struct Options {
     int max_bounces = -2;
     double clamp = -1;
     std::string integrator;
+    std::vector<std::string> set;  // KEY=VALUE of the integrator
+    double level_of_detail = -1;   // −1: the scene's
     std::string device = "cpu";
     std::uint32_t seed = 0;
     int threads = 0;
@@ -197,14 +200,21 @@ struct Run {
         const fs::path output = output_path(o, input);
         LoadOptions load = o.load;
         load.voxels = std::find(o.voxels.begin(), o.voxels.end(), input) != o.voxels.end();
-        const Result<Scene> scene = load_scene(input, size, load);
+        Result<Scene> scene = load_scene(input, size, load);
         if (!scene) return scene.error();
+        for (const std::string& assignment : o.set)
+            if (Result<void> done = set_integrator(scene->integrator, assignment); !done) return done.error();
+        if (o.level_of_detail >= 0)
+            for (Geometry& geometry : scene->geometries)
+                if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data))
+                    voxels->level_of_detail = float(o.level_of_detail);
         if (!common.quiet)
             for (const std::string& note : scene->notes)
                 fmt::print(stderr, "spinel: {}: {}\n", input.filename().string(), note);
         if (o.check && !scene->expected)
             return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
-        const Result<CompiledScene> compiled = compile(*scene, {.camera = o.camera, .size = size});
+        const Result<CompiledScene> compiled =
+            compile(*scene, {.camera = o.camera, .size = size, .integrator = o.integrator});
         if (!compiled) return Error{fmt::format("{}: {}", input.string(), compiled.error().message)};
         const Result<std::unique_ptr<Device>> device = make_device(o.device);
         if (!device) return device.error();
@@ -301,6 +311,10 @@ int run(const Options& o, const CommonOptions& common) {
     if (!o.integrator.empty())
         if (const auto integrator = find_integrator(o.integrator); !integrator)
             return fail(integrator.error(), exit_usage);
+    for (const std::string& assignment : o.set) {
+        IntegratorSettings unused;
+        if (const Result<void> set = set_integrator(unused, assignment); !set) return fail(set.error(), exit_usage);
+    }
     // What would only be noticed after the rendering is checked before it.
     if (const auto tone_map = parse_tone_map(o.tone_map, ToneMap::agx); !tone_map)
         return fail(tone_map.error(), exit_usage);
@@ -344,6 +358,14 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
         ->check(finite_number())
         ->check(CLI::Range(1e-6, 1.0));
     app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
+    app.add_option("--set", o->set,
+                   "KEY=VALUE of the integrator, as in a scene file: --set ao_radius=2 --set glow=0.5 (docs/scene.md)")
+        ->allow_extra_args(false);
+    app.add_option("--level-of-detail", o->level_of_detail,
+                   "pixels: opaque voxels are kept no finer than this as the camera sees them; 0: whole (default: the "
+                   "scene's, else 0)")
+        ->check(finite_number())
+        ->check(CLI::Range(0.0, 1024.0));
     app.add_option("--max-bounces", o->max_bounces, "scattering events of a path; 0: direct view only, -1: no limit")
         ->check(CLI::Range(-1, 1 << 20));
     app.add_option(

@@ -11,7 +11,8 @@ Result<Picture> render_picture(const Scene& scene, const PictureOptions& options
                                const std::function<void(const RenderProgress&)>& report,
                                const std::atomic<bool>* stop) {
     const ThreadLimit limit(options.threads);
-    const Result<CompiledScene> compiled = compile(scene, {.camera = options.camera, .size = options.size});
+    const Result<CompiledScene> compiled =
+        compile(scene, {.camera = options.camera, .size = options.size, .integrator = options.render.integrator});
     if (!compiled) return compiled.error();
     const Result<std::unique_ptr<Device>> device = make_device(options.device);
     if (!device) return device.error();

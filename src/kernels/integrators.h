@@ -5,6 +5,9 @@
 // the scene file and the command line follow from it.
 #include "integrator_table.h"
 #include "path.h"
+#include "preview_ao.h"
+#include "preview_cone.h"
+#include "preview_faces.h"
 KERNELS_BEGIN
 
 FN PixelSample path_sample(const_in(PathState) state) {
@@ -18,15 +21,27 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
 
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0);
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview);
     path_follow(scene, seen, state, hit);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
+FN PixelSample integrate_ao(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    return preview_ao(scene, settings.preview, state.ray, hit, state.numbers);
+}
+
+FN PixelSample integrate_faces(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    return preview_faces(scene, settings.preview, state.ray, hit);
+}
+
+FN PixelSample integrate_cone(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    return preview_cone(scene, settings.preview, state.ray, hit, state.numbers);
+}
+
 FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator,
                          const_in(PathState) state, const_in(Hit) hit) {
-#define SPINEL_INTEGRATOR_CASE(number, name, doc) \
+#define SPINEL_INTEGRATOR_CASE(number, name, needs, doc) \
     if (integrator == number) return integrate_##name(scene, settings, state, hit);
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)
 #undef SPINEL_INTEGRATOR_CASE

@@ -3,11 +3,20 @@
 #include "portable.h"
 KERNELS_BEGIN
 
+// What the preview integrators are asked for (preview_shade.h).
+struct PreviewSettings {
+    float ao_radius;    // world units: how far a ray looks for what hides the sky
+    float ao_strength;  // 0 … 1: of how much of the light ambient occlusion may take
+    float glow;         // strength of the halo about voxels that emit; 0: none
+    float glow_radius;  // world units; 0: four voxels of the set
+};
+
 struct PathSettings {
     uint seed;
     int max_bounces;     // scattering events; −1: no limit
     float clamp;         // most that a path may add after its second scattering; 0: no limit
     int roulette_start;  // first bounce that Russian roulette may end
+    PreviewSettings preview;
 };
 
 KERNELS_END

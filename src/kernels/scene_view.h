@@ -82,6 +82,15 @@ struct VoxelGrid {
 };
 BUFFER(VoxelGrids, VoxelGrid)
 
+// What a voxel, or a node of a 64-tree with all that is in it, shows from afar (voxel_mip.h).
+struct VoxelMip {
+    uint coverage;   // of its cube seen along x, y and z, a byte each, 255: all; the highest: how much of that emits
+    uint albedo;     // mean of what covers it, the square root of each channel in a byte
+    vec3 emission;   // mean radiance of what emits
+    float emitting;  // part of the cube's volume that emits
+};
+BUFFER(VoxelMips, VoxelMip)
+
 // One instruction of an SDF tape; sdf.h defines the operations. Registers: points p0… and values v0….
 struct SdfOp {
     uint op;
@@ -281,6 +290,15 @@ struct Environment {
     mat3 world_to_local;     // rotation about +y, as the user asked
 };
 
+// The scene's light as the preview integrators see it (preview_shade.h).
+struct PreviewLight {
+    vec3 to_sun;     // unit
+    vec3 sun;        // irradiance on a surface that faces it [W/m²]
+    float sun_tan;   // of its angular radius
+    vec3 sky_above;  // irradiance over π of a surface that faces up, by the environment alone …
+    vec3 sky_below;  // … and of one that faces down
+};
+
 BUFFER(Words, uint)
 BUFFER(Floats, float)
 
@@ -317,6 +335,7 @@ struct SceneView {
     Meshes meshes;
     VoxelGrids voxel_grids;
     VoxelNodes voxel_nodes;
+    VoxelMips voxel_mips;
     SdfOps sdf_ops;
     Sdfs sdfs;
     Interiors interiors;
@@ -329,6 +348,7 @@ struct SceneView {
     Words words;               // voxels, textures
     Floats floats;             // densities, environment
     Environment environment;
+    PreviewLight preview_light;
     Camera camera;
     uint instance_count;
     uint bounded_count;    // instances under the top-level BVH
@@ -339,6 +359,8 @@ struct SceneView {
     uint camera_inside_count;   // interiors that the camera starts in …
     uint camera_inside_first;   // … in words
     uint microfacet_first;      // MICROFACET_TABLE in words, for shaders (microfacet_energy.h)
+    uint mip_first;             // NONE: no mips; else in words, two for each instance (voxel_mip.h)
+    float mip_edge;             // of the smallest voxel that has mips, world units
 };
 BUFFER(SceneViews, SceneView)
 

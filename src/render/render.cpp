@@ -19,7 +19,7 @@ Crop tile_crop(const FilmBuffer& film, int tile) {
 
 const std::vector<IntegratorInfo>& integrator_infos() {
     static const std::vector<IntegratorInfo> rows = {
-#define SPINEL_INTEGRATOR_INFO(number, name, doc) {#name, doc, number},
+#define SPINEL_INTEGRATOR_INFO(number, name, needs, doc) {#name, doc, number, needs},
         SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_INFO)
 #undef SPINEL_INTEGRATOR_INFO
     };
@@ -50,6 +50,14 @@ Result<Crop> checked_crop(Crop crop, ivec2 size) {
     return crop;
 }
 
+kernels::PreviewSettings preview_settings(const CompiledScene& scene) {
+    const IntegratorSettings& i = scene.integrator;
+    const float diagonal = glm::length(scene.upper - scene.lower);
+    const float ao_radius = i.ao_radius > 0 ? i.ao_radius : diagonal > 0 ? 0.05f * diagonal : 1.0f;
+    // A halo needs the mips of what emits.
+    return {ao_radius, i.ao_strength, scene.mip_first == kernels::NONE ? 0.0f : i.glow, i.glow_radius};
+}
+
 // Standard error of a tile over its brightness; dark tiles are judged against a fraction of the picture's brightness,
 // since nobody sees noise in black.
 double tile_error(const FilmBuffer& film, int tile, double picture_mean) {
@@ -74,6 +82,8 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     if (!integrator) return integrator.error();
     const Result<Crop> crop = checked_crop(options.crop, scene.film.size);
     if (!crop) return crop.error();
+    if ((*integrator)->needs == SPINEL_NEEDS_MIPS && scene.mip_first == kernels::NONE)
+        return Error{fmt::format("the scene was compiled for another integrator than '{}'", (*integrator)->name)};
     if (Result<void> loaded = device.load(scene); !loaded) return loaded.error();
 
     RenderResult result;
@@ -87,7 +97,7 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     std::vector<std::uint8_t> finished(std::size_t(tiles.x) * std::size_t(tiles.y), 0);
     RenderPass pass;
     pass.settings = {options.seed, options.max_bounces == -2 ? scene.integrator.max_bounces : options.max_bounces,
-                     options.clamp < 0 ? scene.integrator.clamp : float(options.clamp), 4};
+                     options.clamp < 0 ? scene.integrator.clamp : float(options.clamp), 4, preview_settings(scene)};
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 

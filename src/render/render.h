@@ -27,6 +27,7 @@ struct IntegratorInfo {
     const char* name;
     const char* doc;
     std::uint32_t number;
+    int needs;  // SPINEL_NEEDS_… of kernels/integrator_table.h
 };
 const std::vector<IntegratorInfo>& integrator_infos();
 

@@ -28,7 +28,8 @@ struct Compilation {
         bool bounded = true;
         std::size_t slot_count = 1;
     };
-    std::vector<Shape> shapes = {};  // parallel to Scene::geometries
+    std::vector<Shape> shapes = {};            // parallel to Scene::geometries
+    std::vector<VoxelTreePointer> trees = {};  // of voxel sets, as they are rendered; parallel to Scene::geometries
 };
 
 // compile_textures.cpp
@@ -51,6 +52,14 @@ void add_environment(Compilation& c);
 void add_infinite_and_point_lights(Compilation& c);
 void add_surface_lights(Compilation& c);
 void build_light_table(CompiledScene& out);
+
+// compile_preview.cpp: what only the preview integrators look at; after materials, instances and lights.
+void add_preview_light(Compilation& c);
+bool wants_voxel_mips(const IntegratorSettings& settings, const std::string& integrator);
+void add_voxel_mips(Compilation& c);
+
+// compile_detail.cpp: the voxel set of a geometry as the camera needs it, by its level of detail.
+VoxelTreePointer detailed_voxels(const Scene& scene, std::size_t geometry, const kernels::Camera* camera);
 
 mat4x3 affine_product(const mat4x3& a, const mat4x3& b);
 mat4x3 affine_inverse(const mat4x3& m);

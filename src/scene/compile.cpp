@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "accel/bvh_builder.h"
 #include "geometry/mesh/mesh_builder.h"
@@ -51,6 +52,7 @@ kernels::SceneView CompiledScene::view() const {
     v.meshes.at = meshes.data();
     v.voxel_grids.at = voxel_grids.data();
     v.voxel_nodes.at = voxel_nodes.data();
+    v.voxel_mips.at = voxel_mips.data();
     v.sdf_ops.at = sdf_ops.data();
     v.sdfs.at = sdfs.data();
     v.interiors.at = interiors.data();
@@ -63,6 +65,7 @@ kernels::SceneView CompiledScene::view() const {
     v.words.at = words.data();
     v.floats.at = floats.data();
     v.environment = environment;
+    v.preview_light = preview_light;
     v.camera = camera;
     v.instance_count = uint(instances.size());
     v.bounded_count = bounded_count;
@@ -73,6 +76,8 @@ kernels::SceneView CompiledScene::view() const {
     v.camera_inside_count = camera_inside_count;
     v.camera_inside_first = camera_inside_first;
     v.microfacet_first = microfacet_first;
+    v.mip_first = mip_first;
+    v.mip_edge = mip_edge;
     return v;
 }
 
@@ -116,6 +121,7 @@ uint append_stream(std::vector<T>& to, const std::vector<T>& from) {
 struct ShapeBuilder {
     Compilation& c;
     const std::string& name;
+    std::size_t geometry;
 
     Error fail(const Error& error) const { return {fmt::format("geometry '{}': {}", name, error.message)}; }
 
@@ -137,12 +143,13 @@ struct ShapeBuilder {
         if (data->nodes.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
         return shape;
     }
-    Result<Shape> operator()(const VoxelGeometry& voxels) const {
+    Result<Shape> operator()(const VoxelGeometry&) const {
+        const VoxelTree& tree = *c.trees[geometry];
         Shape shape;
         shape.kind = kernels::GEOMETRY_VOXELS;
         shape.index = uint(c.out.voxel_grids.size());
-        c.out.voxel_grids.push_back(append_voxels(*voxels.tree, c.out.voxel_nodes, c.out.words));
-        shape.upper = vec3(voxels.tree->size());
+        c.out.voxel_grids.push_back(append_voxels(tree, c.out.voxel_nodes, c.out.words));
+        shape.upper = vec3(tree.size());
         return shape;
     }
     Result<Shape> operator()(const SdfGeometry& sdf) const {
@@ -369,17 +376,28 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     if (options.size.x > 0 && options.size.y > 0) out.film.size = options.size;
     out.integrator = scene.integrator;
 
+    std::optional<Camera> camera;
+    if (!scene.cameras.empty() || !options.camera.empty()) {
+        const Result<Camera> chosen = choose_camera(scene, options.camera);
+        if (!chosen) return chosen.error();
+        camera = *chosen;
+        out.camera = kernel_camera(*camera, out.film);
+    }
+
     add_textures(c);
     for (const Material& material : scene.materials) out.materials.push_back(material.values);
     std::vector<bool> used(scene.geometries.size(), false);
     for (const Object& object : scene.objects) used[std::size_t(object.geometry)] = true;
     for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
         const Geometry& geometry = scene.geometries[i];
+        c.trees.emplace_back();
         if (!used[i]) {
             c.shapes.emplace_back();
             continue;
         }
-        Result<Shape> shape = std::visit(ShapeBuilder{c, geometry.name}, geometry.data);
+        if (std::holds_alternative<VoxelGeometry>(geometry.data))
+            c.trees[i] = detailed_voxels(scene, i, camera ? &out.camera : nullptr);
+        Result<Shape> shape = std::visit(ShapeBuilder{c, geometry.name, i}, geometry.data);
         if (!shape) return shape.error();
         shape->slot_count = std::max<std::size_t>(slot_count(geometry), 1);
         c.shapes.push_back(*shape);
@@ -397,13 +415,10 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     add_infinite_and_point_lights(c);
     add_surface_lights(c);
     build_light_table(out);
-
-    if (!scene.cameras.empty() || !options.camera.empty()) {
-        const Result<Camera> camera = choose_camera(scene, options.camera);
-        if (!camera) return camera.error();
-        out.camera = kernel_camera(*camera, out.film);
+    add_preview_light(c);
+    if (wants_voxel_mips(scene.integrator, options.integrator)) add_voxel_mips(c);
+    if (camera)
         if (Result<void> placed = place_camera_inside(c, *camera); !placed) return placed.error();
-    }
     if (out.words.size() > max_pool || out.floats.size() > max_pool)
         return Error{fmt::format(
             "the scene needs {} words of voxels and textures and {} of densities and environment; at most {} each "

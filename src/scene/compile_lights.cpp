@@ -207,7 +207,6 @@ void add_surface_lights(Compilation& c) {
     CompiledScene& out = c.out;
     const kernels::SceneView view = out.view();  // of what emits; the lights, which grow, are not looked at
     for (uint i = 0; i < out.instances.size(); ++i) {
-        const Geometry& geometry = c.scene.geometries[std::size_t(c.scene.objects[i].geometry)];
         const Compilation::Shape& shape = c.shapes[std::size_t(c.scene.objects[i].geometry)];
         bool any = false;
         for (std::size_t s = 0; s < shape.slot_count; ++s)
@@ -219,7 +218,7 @@ void add_surface_lights(Compilation& c) {
         switch (placed.geometry_kind) {
             case kernels::GEOMETRY_MESH: add_mesh_lights(out, view, i); break;
             case kernels::GEOMETRY_VOXELS:
-                add_voxel_lights(out, view, *std::get<VoxelGeometry>(geometry.data).tree, i);
+                add_voxel_lights(out, view, *c.trees[std::size_t(c.scene.objects[i].geometry)], i);
                 break;
             case kernels::GEOMETRY_SPHERE:
                 // A sphere that is stretched or textured is found by following paths alone.

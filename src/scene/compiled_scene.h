@@ -27,6 +27,7 @@ struct CompiledScene {
     std::vector<kernels::Mesh> meshes;
     std::vector<kernels::VoxelGrid> voxel_grids;
     std::vector<kernels::VoxelNode> voxel_nodes;
+    std::vector<kernels::VoxelMip> voxel_mips;
     std::vector<kernels::SdfOp> sdf_ops;
     std::vector<kernels::Sdf> sdfs;
     std::vector<kernels::Interior> interiors;
@@ -39,6 +40,7 @@ struct CompiledScene {
     std::vector<std::uint32_t> words;
     std::vector<float> floats;
     kernels::Environment environment = {};
+    kernels::PreviewLight preview_light = {};
     kernels::Camera camera = {};
     std::uint32_t bounded_count = 0;
     std::uint32_t pass_through_count = 0;
@@ -46,6 +48,8 @@ struct CompiledScene {
     std::uint32_t camera_inside_first = 0;
     std::uint32_t camera_inside_count = 0;
     std::uint32_t microfacet_first = 0;
+    std::uint32_t mip_first = kernels::NONE;
+    float mip_edge = 0;
     vec3 lower = {0, 0, 0};  // of all that is bounded, in world space
     vec3 upper = {0, 0, 0};
 
@@ -58,8 +62,9 @@ struct CompiledScene {
 };
 
 struct CompileOptions {
-    std::string camera;   // name; empty: the scene's first
-    ivec2 size = {0, 0};  // of the film; (0, 0): the scene's
+    std::string camera = {};      // name; empty: the scene's first
+    ivec2 size = {0, 0};          // of the film; (0, 0): the scene's
+    std::string integrator = {};  // what it will be rendered by; empty: the scene's
 };
 
 // Validates, builds acceleration structures, majorants and light tables. Errors name the thing and what is allowed.

@@ -208,6 +208,18 @@ LoadOptions read_load_options(JsonContext& context, const JsonValue& value, cons
     return options;
 }
 
+// A voxel set's "level_of_detail", also for those of a file.
+void read_level_of_detail(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
+                          const std::string& what) {
+    const JsonValue* level = value.find("level_of_detail");
+    if (!level) return;
+    const auto pixels = context.json.number(*level, {0, 1024}, of("level_of_detail", what));
+    if (!pixels) return;
+    for (const Object& part : parts)
+        if (auto* voxels = std::get_if<VoxelGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data))
+            voxels->level_of_detail = float(*pixels);
+}
+
 // A volume's "filter" replaces that of the grids it brings.
 void read_filter(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
                  const std::string& what) {
@@ -260,6 +272,7 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
         parts.objects.push_back(std::move(object));
     }
     read_filter(context, value, parts.objects, what);
+    read_level_of_detail(context, value, parts.objects, what);
     return parts;
 }
 

@@ -158,6 +158,7 @@ OrderedJson definitions() {
     d["index3_list"] = array_of(array_of(index, 3));
     d["frame"] = bounded("integer", {0, 1 << 20});
     d["voxel_height"] = bounded("number", {1, 65536});
+    d["pixels"] = bounded("number", {0, 1024});
     d["size3"] = array_of(bounded("integer", {1, 65536}), 3);
     d["layers"] = array_of(array_of({{"type", "string"}, {"pattern", "^[. 1-9a-z]+$"}}));
     d["filter"] = {{"enum", {"nearest", "linear"}}};
@@ -224,6 +225,7 @@ std::string type_text(const Field& field) {
                 {"index3_list", "list of [a, b, c]"},
                 {"frame", "whole number"},
                 {"voxel_height", "number"},
+                {"pixels", "number"},
                 {"size3", "[x, y, z], whole"},
                 {"layers", "list of lists of text"},
                 {"filter", "`nearest`, `linear`"},

@@ -199,6 +199,7 @@ class Writer {
             const ivec3 size = voxels->tree->size();
             value["size"] = triple(size);
             value["cells"] = cells(*voxels->tree);
+            if (voxels->level_of_detail > 0) value["level_of_detail"] = json_number(voxels->level_of_detail);
         } else if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             const Grid& grid = scene_.grids[std::size_t(volume->grid)];
             value["size"] = triple(grid.size);

@@ -78,6 +78,17 @@ const Record& integrator_record() {
                   "Scattering events of a path; 0: only light that is seen directly; −1: Russian roulette "
                   "alone ends it.",
                   {-1, 1 << 30}),
+            field("ao_radius", &IntegratorSettings::ao_radius,
+                  "`ao`: how far rays look for what hides the sky; 0: a twentieth of the scene's diagonal. Voxels look "
+                  "at "
+                  "their neighbours instead.",
+                  non_negative, "scene units"),
+            field("ao_strength", &IntegratorSettings::ao_strength,
+                  "`ao`: 1: where all is hidden it is black; 0: no ambient occlusion.", unit_interval),
+            field("glow", &IntegratorSettings::glow,
+                  "`ao`, `faces`, `cone`: strength of the halo about voxels that emit; 0: none.", non_negative),
+            field("glow_radius", &IntegratorSettings::glow_radius, "Reach of that halo; 0: four voxels of the set.",
+                  non_negative, "scene units"),
         });
     return table;
 }
@@ -234,26 +245,30 @@ const Family& geometry_family() {
                     by_hand("colors", "vec4_list", "One a vertex, linear; multiply the material's colour."),
                     by_hand("slots", "index_list", "Material slot of each triangle; all 0 without."),
                 }),
-            record_by_hand("voxels", "Unit cubes; cell (i, j, k) fills [i, i+1)×[j, j+1)×[k, k+1).",
-                           {
-                               by_hand("file", "path",
-                                       "Voxel file relative to the scene file; it may bring several objects "
-                                       "and their materials."),
-                               by_hand("frame", "frame", "Of an animated `file`, from 0; without it the first."),
-                               by_hand("height", "voxel_height",
-                                       "Makes a picture or .hgt `file` terrain of so many voxels from black to white, "
-                                       "or from the lowest to the highest."),
-                               by_hand("size", "size3", "Cells along x, y and z, with `cells`."),
-                               by_hand("cells", "index_list",
-                                       "Palette indices, x fastest, then y, then z; 0 is empty, p uses "
-                                       "material slot p − 1."),
-                               by_hand("layers", "layers",
-                                       "The cells as text, in place of `size` and `cells`: a list of layers "
-                                       "from the bottom up, each "
-                                       "a list of rows from z = 0 on, a character for each cell along x: `.` "
-                                       "or a space is empty, "
-                                       "1…9 then a…z are palette indices 1…35."),
-                           }),
+            record_by_hand(
+                "voxels", "Unit cubes; cell (i, j, k) fills [i, i+1)×[j, j+1)×[k, k+1).",
+                {
+                    by_hand("file", "path",
+                            "Voxel file relative to the scene file; it may bring several objects "
+                            "and their materials."),
+                    by_hand("frame", "frame", "Of an animated `file`, from 0; without it the first."),
+                    by_hand("height", "voxel_height",
+                            "Makes a picture or .hgt `file` terrain of so many voxels from black to white, "
+                            "or from the lowest to the highest."),
+                    by_hand("level_of_detail", "pixels",
+                            "Opaque voxels are kept no finer than so many pixels of the picture, seen from its "
+                            "camera: distant parts take less memory; 0, as without it: whole."),
+                    by_hand("size", "size3", "Cells along x, y and z, with `cells`."),
+                    by_hand("cells", "index_list",
+                            "Palette indices, x fastest, then y, then z; 0 is empty, p uses "
+                            "material slot p − 1."),
+                    by_hand("layers", "layers",
+                            "The cells as text, in place of `size` and `cells`: a list of layers "
+                            "from the bottom up, each "
+                            "a list of rows from z = 0 on, a character for each cell along x: `.` "
+                            "or a space is empty, "
+                            "1…9 then a…z are palette indices 1…35."),
+                }),
             record_by_hand("volume", "The box of a density grid: no surface of its own, holds an interior medium.",
                            {
                                by_hand("file", "path", "Volume file relative to the scene file."),

@@ -18,6 +18,7 @@ bool finite(const vec3& v) { return finite(v.x) && finite(v.y) && finite(v.z); }
 bool finite(const vec4& v) { return finite(vec3(v)) && finite(v.w); }
 bool finite(const mat4x3& m) { return finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(m[3]); }
 // Comparisons are written so that NaN fails them.
+bool at_least_zero(float x) { return std::isfinite(x) && x >= 0; }
 bool at_least_zero(const vec3& v) { return finite(v) && v.x >= 0 && v.y >= 0 && v.z >= 0; }
 bool above_zero(float x) { return finite(x) && x > 0; }
 
@@ -61,6 +62,7 @@ Fault mesh_fault(const MeshGeometry& mesh) {
 
 Fault voxels_fault(const VoxelGeometry& voxels) {
     if (!voxels.tree) return "has no voxels";
+    if (!at_least_zero(voxels.level_of_detail)) return "has a level of detail that is negative or not finite";
     return {};
 }
 
@@ -306,6 +308,10 @@ Result<void> validate(const Scene& scene) {
     if (const Fault f = fault(scene.film)) return error("film", f);
     if (scene.integrator.spp < 1) return Error{"integrator needs at least 1 sample per pixel"};
     if (scene.integrator.max_bounces < -1) return Error{"integrator has max_bounces below −1"};
+    for (const float x : {scene.integrator.ao_radius, scene.integrator.ao_strength, scene.integrator.glow,
+                          scene.integrator.glow_radius})
+        if (!at_least_zero(x)) return Error{"integrator has a radius or a strength that is negative or not finite"};
+    if (scene.integrator.ao_strength > 1) return Error{"integrator has ao_strength above 1"};
     if (const Fault f = fault(scene.environment)) return error("environment", f);
     if (auto result = each("camera", scene.cameras); !result) return result;
     if (auto result = each("texture", scene.textures); !result) return result;
