@@ -9,7 +9,9 @@
 #include "mesh.h"
 #include "plane.h"
 #include "sdf.h"
+#include "sdf_voxels.h"
 #include "sphere.h"
+#include "voxel_shapes.h"
 #include "voxels.h"
 KERNELS_BEGIN
 
@@ -23,6 +25,15 @@ FN Ray ray_to_local(const_in(Instance) instance, Ray ray) {
                instance.world_to_object * vec4(ray.direction, 0.0f), ray.t_max);
 }
 
+// The nearest interface of any set of voxels in (ray.t_min, hit.t).
+FN void voxel_set_closest(const_in(SceneView) scene, uint grid, uint slot_first, Ray ray, inout(Hit) hit) {
+    switch (scene.voxel_grids.at[grid].walk) {
+        case VOXEL_WALK_TREE: voxels_closest(scene, grid, slot_first, ray, hit); break;
+        case VOXEL_WALK_SHAPES: shaped_voxels_closest(scene, grid, slot_first, ray, hit); break;
+        case VOXEL_WALK_SDF: sdf_voxels_closest(scene, grid, slot_first, ray, hit); break;
+    }
+}
+
 // The nearest hit of one instance in (ray.t_min, hit.t).
 FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inout(Hit) hit) {
     Ray local = ray_to_local(scene.instances.at[instance], ray);
@@ -32,7 +43,7 @@ FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inou
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: mesh_closest(scene, geometry, local, hit); break;
         case GEOMETRY_VOXELS:
-            voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            voxel_set_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
             break;
         case GEOMETRY_SDF: sdf_closest(scene, geometry, local, hit); break;
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
@@ -50,7 +61,9 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     Hit hit = no_hit(ray.t_max);
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: return mesh_any(scene, geometry, local);
-        case GEOMETRY_VOXELS: return voxels_any(scene, geometry, scene.instances.at[instance].slot_first, local);
+        case GEOMETRY_VOXELS:
+            voxel_set_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            break;
         case GEOMETRY_SDF: return sdf_any(scene, geometry, local);
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
         case GEOMETRY_BOX: box_closest(local, hit); break;
