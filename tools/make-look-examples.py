@@ -467,7 +467,7 @@ def gyroid():
             "bounds": [[-4000, -40, -8000], [4000, 44, 230]], "strata": [-14, -4, 4, 20]}},
         "objects": [{"geometry": "world", "material": ["rock", "clay", "sand", "moss", "snow"]},
                     {"geometry": {"type": "plane"}, "material": "sea", "transform": [{"translate": [0, -22.5, 0]}]}]}
-    write("gyroid.json", "A world of four billion cells that are not stored: they are solid where an expression says so.\n"
+    write("gyroid.json", "A world of five billion cells that are not stored: they are solid where an expression says so.\n"
           "// Written by tools/make-look-examples.py.", scene)
 
 
