@@ -6,6 +6,7 @@
 // Space: right-handed, +y up, units are the scene's own. Angles in degrees (kernels speak radians). Colours are linear
 // Rec.709.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -52,9 +53,18 @@ struct CheckerTexture {
     vec2 offset = {0, 0};
 };
 
+// A picture of its own on every face of voxels and boxes, out of one atlas.
+struct FaceTexture {
+    std::string file;
+    std::shared_ptr<const PixelBuffer> pixels;  // never null in a valid scene
+    bool srgb = true;
+    Filter filter = Filter::nearest;
+    std::array<glm::ivec4, 6> faces = {};  // −x, +x, −y, +y, −z, +z: x, y, width, height in pixels from the top left
+};
+
 struct Texture {
     std::string name;
-    std::variant<ImageTexture, CheckerTexture> data;
+    std::variant<ImageTexture, CheckerTexture, FaceTexture> data;
 };
 
 // The kernel's own record; texture members are indices into Scene::textures, `interior` into Scene::media.
@@ -107,9 +117,33 @@ struct MeshGeometry {
 };
 
 // Cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) of local space. Palette index p uses material slot p − 1.
+struct VoxelOutlines {
+    enum class Where { voxels, changes, shape };  // every edge; where shape or palette index ends; where the shape does
+    Where where = Where::voxels;
+    float width = 0.06f;  // cells; half on either face of an edge
+    vec3 color = {0, 0, 0};
+    float strength = 1;  // 0 … 1: how much of the surface's own colour is replaced
+};
+
+// Waves on water: directional waves from the longest on, their lengths in a geometric row, as high as they are long.
+struct VoxelWaves {
+    std::vector<int> palette;  // indices of the voxels that are water
+    float height = 0.3f;       // from trough to crest if all waves meet, cells, below 1
+    float length = 6;          // of the longest wave, cells
+    int count = 6;             // of waves
+    float direction = 30;      // that they run to, from +x towards +z
+    float spread = 50;         // to both sides of it
+    float time = 0;            // seconds
+    float gravity = 9.81f;     // cells/s²: deep water, ω² = g·k
+    int seed = 0;              // of the phases
+};
+
 struct VoxelGeometry {
-    VoxelTreePointer tree;      // never null in a valid scene
-    float level_of_detail = 0;  // pixels: what is opaque is kept no finer than this as the camera sees it; 0: whole
+    VoxelTreePointer tree;             // never null in a valid scene
+    float level_of_detail = 0;         // pixels: what is opaque is kept no finer than this in the picture; 0: whole
+    std::vector<float> rounding = {};  // radius of edges in cells, 0 … 0.5: one for all, or one a palette index
+    std::optional<VoxelOutlines> outlines = {};
+    std::optional<VoxelWaves> waves = {};
 };
 
 // The box of a density grid: has no surface of its own, holds an object's interior medium.
@@ -128,6 +162,15 @@ struct SdfGeometry {
     std::optional<std::pair<vec3, vec3>> bounds;  // needed where the expression is unbounded; clips the solid
 };
 
+// Voxels that are not stored: cell (i,j,k) fills [i,i+1)×[j,j+1)×[k,k+1) times `cell` and is solid if the SDF is not
+// positive in its middle.
+struct SdfVoxelGeometry {
+    SdfGeometry sdf;
+    float cell = 1;
+    std::vector<float> strata = {};  // heights, rising; material slot i + 1 begins at strata[i]
+    std::optional<VoxelOutlines> outlines = {};
+};
+
 struct SphereGeometry {
     float radius = 1;  // about the origin
 };
@@ -142,7 +185,7 @@ struct RectangleGeometry {
 struct Geometry {
     std::string name;
     std::variant<MeshGeometry, VoxelGeometry, VolumeGeometry, SdfGeometry, SphereGeometry, BoxGeometry, PlaneGeometry,
-                 RectangleGeometry>
+                 RectangleGeometry, SdfVoxelGeometry>
         data;
 };
 

@@ -92,11 +92,11 @@ void measure(const std::string& subject, const std::vector<BenchStructure>& stru
 
 // The instance and the tree of the scene's set of voxels, if it is made of one alone.
 const VoxelGeometry* only_voxels(const Scene& scene, const CompiledScene& compiled) {
-    if (compiled.voxel_grids.size() != 1) return nullptr;
+    if (compiled.voxel_grids.size() != 1 || compiled.voxel_grids[0].walk != kernels::VOXEL_WALK_TREE) return nullptr;
     const VoxelGeometry* found = nullptr;
     for (const Geometry& geometry : scene.geometries)
         if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) found = voxels;
-    return found;
+    return found && found->level_of_detail == 0 ? found : nullptr;
 }
 
 void print(const Options& o, const CommonOptions& common, const std::vector<Row>& rows) {

@@ -41,6 +41,9 @@ struct Describe {
                 {"maximum", number_json(*high)}};
     }
     Json operator()(const SdfGeometry& sdf) const { return {{"operations", count(sdf.root)}}; }
+    Json operator()(const SdfVoxelGeometry& voxels) const {
+        return {{"operations", count(voxels.sdf.root)}, {"cell", number_json(voxels.cell)}};
+    }
     Json operator()(const SphereGeometry& s) const { return {{"radius", number_json(s.radius)}}; }
     Json operator()(const BoxGeometry& b) const { return {{"size", vector_json(b.size)}}; }
     Json operator()(const PlaneGeometry&) const { return Json::object(); }

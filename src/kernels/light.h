@@ -21,20 +21,20 @@ struct LightSample {
     float opacity;  // chance that a path which follows the direction meets the emitter; radiance holds it already
 };
 
-FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv) {
+FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv, uint face) {
     vec3 e = scene.materials.at[material].emission;
     uint t = scene.materials.at[material].emission_texture;
     if (t != NONE) {
-        vec4 texel = texture_at(scene, t, uv);
+        vec4 texel = texture_at(scene, t, uv, face);
         e *= vec3(texel.x, texel.y, texel.z);
     }
     return e;
 }
 
-FN float material_opacity(const_in(SceneView) scene, uint material, vec2 uv) {
+FN float material_opacity(const_in(SceneView) scene, uint material, vec2 uv, uint face) {
     float opacity = scene.materials.at[material].opacity;
     uint t = scene.materials.at[material].opacity_texture;
-    return t == NONE ? opacity : opacity * texture_at(scene, t, uv).w;
+    return t == NONE ? opacity : opacity * texture_at(scene, t, uv, face).w;
 }
 
 FN vec2 mesh_uv(const_in(SceneView) scene, const_in(Mesh) mesh, uvec3 vertices, vec3 weights) {
@@ -49,6 +49,13 @@ FN vec2 light_uv(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
     RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
     uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.key.x].vertices;
     return mesh_uv(scene, mesh, v, vec3(1.0f - b.x - b.y, b.x, b.y));
+}
+
+// The face of a cube that a flat emitter is; NONE: it is none.
+FN uint light_face(const_in(SceneView) scene, const_in(Light) light) {
+    uint kind = scene.instances.at[light.instance].geometry_kind;
+    if (kind == GEOMETRY_VOXELS) return light.key.y >> 28u;  // voxel_light_key()
+    return kind == GEOMETRY_BOX ? light.key.x : NONE;
 }
 
 // 1 − cos of the half-angle under which a sphere is seen; stable for small and distant spheres.
@@ -152,8 +159,9 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
     if (!(cosine > 1.0e-6f)) return no_light();
     float error = light_error(scene, light, point, max_component(abs(light.position) + abs(light.u) + abs(light.v)));
     vec2 uv = light_uv(scene, light, b);
-    return surface_light(direction, material_emission(scene, light.material, uv), p * d2 / (cosine * light.area), point,
-                         light.direction, error, material_opacity(scene, light.material, uv));
+    uint face = light_face(scene, light);
+    return surface_light(direction, material_emission(scene, light.material, uv, face), p * d2 / (cosine * light.area),
+                         point, light.direction, error, material_opacity(scene, light.material, uv, face));
 }
 
 // u_light and u_keep are independent: what u_light leaves below its index has too few bits where lights are many.

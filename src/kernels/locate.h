@@ -60,7 +60,7 @@ FN Inside interiors_at(const_in(SceneView) scene, vec3 p) {
         RECORD(VoxelGrid) grid = scene.voxel_grids.at[instance.geometry];
         vec3 local = instance.world_to_object * vec4(p, 1.0f);
         if (!(max_component(abs(local)) < 1.0e9f)) continue;
-        uint palette = voxel_at(scene, grid, ivec3(floor(local)));
+        uint palette = voxel_at_point(scene, grid, instance.slot_first, local);
         if (palette != 0u) inside_enter(found.inside, scene.slots.at[instance.slot_first + palette - 1u].interior);
     }
     // A direction without symmetry, so that edges and corners of things people build are not met.

@@ -19,11 +19,15 @@ struct Hit {
     uint primitive;  // mesh: triangle, in the order of the acceleration structure; voxels: palette index
                      // of the cell that was entered (or left, into air); sphere, plane, rectangle, SDF: 0; box: face 0
                      // … 5
-    uint face;       // voxels: 2·axis + (1 if the outward normal points to +axis); otherwise 0
+    uint face;       // voxels: 2·axis + (1 if the outward normal points to +axis), VOXEL_FACE_… added; otherwise 0
     vec2 uv;  // mesh: barycentric weights of vertices 1 and 2; voxels, box, rectangle: position on the face in [0,1]²
     ivec3 cell;   // voxels: the voxel that was hit, else 0
     vec3 normal;  // geometric normal in local space, pointing out of the solid, not normalised
 };
+
+// Of voxels that do not fill their cells (voxel_shapes.h).
+const uint VOXEL_FACE_INNER = 8u;    // the surface lies inside of the cell, `normal` is its own; air is outside of it
+const uint VOXEL_FACE_TO_AIR = 16u;  // air lies across the face, whatever voxel stands in the next cell
 
 FN Hit no_hit(float t_max) { return Hit(t_max, NONE, 0u, 0u, vec2(0.0f), ivec3(0), vec3(0.0f)); }
 FN bool is_hit(const_in(Hit) hit) { return hit.instance != NONE; }

@@ -79,8 +79,22 @@ struct VoxelGrid {
     uint node_first;
     uint reference_first;  // into SceneView::words; NONE: children stand in a row
     uint palette_first;    // into SceneView::words
+    uint walk;             // VOXEL_WALK_…
+    uint shape_first;      // into SceneView::floats, one for each palette index from 1 on (voxel_shapes.h)
+    uint wave_first;       // into SceneView::floats (voxel_waves.h); NONE: none
+    uint wave_count;
+    uint line_first;    // into SceneView::floats (voxel_lines.h); NONE: no outlines
+    uint sdf;           // into SceneView::sdfs: cells are not stored, but solid where this is ≤ 0 in their middle
+    vec3 sdf_origin;    // where the corner of cell (0,0,0) lies in the space of the SDF …
+    float sdf_cell;     // … and the edge of a cell there
+    uint strata_first;  // into SceneView::floats: heights in that space above which the next palette index begins
+    uint strata_count;
 };
 BUFFER(VoxelGrids, VoxelGrid)
+
+const uint VOXEL_WALK_TREE = 0u;    // voxels fill their cells: voxels.h
+const uint VOXEL_WALK_SHAPES = 1u;  // some fill a part only: voxel_shapes.h
+const uint VOXEL_WALK_SDF = 2u;     // sdf_voxels.h
 
 // What a voxel, or a node of a 64-tree with all that is in it, shows from afar (voxel_mip.h).
 struct VoxelMip {
@@ -239,6 +253,8 @@ struct Texture {
     vec2 offset;       // … then this is added
     vec3 color_a;
     vec3 color_b;
+    uint face_first;  // into SceneView::words, NONE: the whole picture over uv; else six rectangles of texels x, y,
+                      // width, height, row 0 at the top, one for each face 2·axis + (1 if on the + side)
 };
 BUFFER(Textures, Texture)
 

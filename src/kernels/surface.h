@@ -8,7 +8,8 @@
 #include "interior.h"
 #include "light.h"
 #include "sdf.h"
-#include "voxels.h"
+#include "voxel_lines.h"
+#include "voxel_shapes.h"
 KERNELS_BEGIN
 
 struct Surface {
@@ -19,7 +20,10 @@ struct Surface {
     vec3 tangent;           // unit or zero, along +u
     float bitangent_sign;   // of cross(normal, tangent)
     vec2 uv;
+    uint face;      // of a cube, for textures that differ by face; NONE: of none
     vec3 color;     // vertex colour
+    vec4 line;      // colour and strength of an outline that is drawn here
+    bool waves;     // of water in voxels (voxel_waves.h)
     uint material;  // NONE: a mere interface
     uint leaves;    // interiors on the side the ray comes from and goes to, as far as this surface decides them
     uint enters;
@@ -48,6 +52,9 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     s.tangent = vec3(0.0f);
     s.bitangent_sign = 1.0f;
     s.uv = hit.uv;
+    s.face = NONE;
+    s.line = vec4(0.0f);
+    s.waves = false;
     s.light_key = uvec2(hit.primitive, 0u);
     vec3 local = instance.world_to_object * vec4(ray_at(ray, hit.t), 1.0f);
     vec3 local_direction = instance.world_to_object * vec4(ray.direction, 0.0f);
@@ -90,22 +97,31 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         slot += info.slot;
     } else if (instance.geometry_kind == GEOMETRY_VOXELS) {
         RECORD(VoxelGrid) grid = scene.voxel_grids.at[instance.geometry];
-        uint axis = hit.face >> 1u;
+        uint axis = (hit.face >> 1u) & 3u;
         bool positive = (hit.face & 1u) != 0u;
-        float plane = float(hit.cell[axis]) + (positive ? 1.0f : 0.0f);
-        local[axis] = plane;
+        bool inner = (hit.face & VOXEL_FACE_INNER) != 0u;
+        s.face = hit.face & 7u;
         extent = max_component(vec3(grid.size));
         ivec3 neighbour = hit.cell;
         neighbour[axis] += positive ? 1 : -1;
         uint owner = hit.primitive;
-        other = voxel_at(scene, grid, neighbour);
-        s.light_key = voxel_light_key(hit.cell, hit.face);
+        if (inner) {
+            local = voxel_inner_position(scene, grid, hit, local);
+            s.waves = voxel_shape(scene, grid, owner) < 0.0f;
+            s.light_key = uvec2(NONE);  // no light is sampled on it
+        } else {
+            local[axis] = float(hit.cell[axis]) + (positive ? 1.0f : 0.0f);
+            s.light_key = voxel_light_key(hit.cell, s.face);
+            if ((hit.face & VOXEL_FACE_TO_AIR) == 0u) other = voxel_at(scene, grid, neighbour);
+        }
+        if (grid.line_first != NONE) s.line = voxel_line(scene, grid, hit.cell, axis, positive, hit.uv);
         if (other != 0u && !voxel_owns(scene, instance.slot_first, owner, other)) {
             uint exchanged = owner;
             owner = other;
             other = exchanged;
             outward = -outward;
-            s.light_key = voxel_light_key(neighbour, hit.face ^ 1u);
+            s.face ^= 1u;
+            s.light_key = voxel_light_key(neighbour, s.face);
         }
         slot += owner - 1u;
     } else if (instance.geometry_kind == GEOMETRY_SDF) {
@@ -119,6 +135,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
         tangent = vec3(local.z, 0.0f, -local.x);
     } else if (instance.geometry_kind == GEOMETRY_BOX) {
         uint axis = hit.primitive >> 1u;
+        s.face = hit.primitive;
         local[axis] = (hit.primitive & 1u) != 0u ? 1.0f : -1.0f;
         extent = 1.0f;
     } else if (instance.geometry_kind == GEOMETRY_PLANE) {
@@ -178,6 +195,16 @@ FN vec3 leave_surface(const_in(SceneView) scene, const_in(Surface) s, vec3 direc
         vec3 moved = sdf_offset_point(scene, instance.geometry, p, n / stretch, side, s.error * stretch);
         return instance.object_to_world * vec4(moved, 1.0f);
     }
+    if (s.waves) {  // the sum of waves is rounded: step until the point is on the wanted side
+        RECORD(VoxelGrid) grid = scene.voxel_grids.at[instance.geometry];
+        float step = s.error;
+        for (uint i = 0u; i < SDF_MAX_OFFSETS; ++i) {
+            vec3 q = s.position + side * step * s.geometric_normal;
+            vec3 p = instance.world_to_object * vec4(q, 1.0f);
+            if ((voxel_at_point(scene, grid, instance.slot_first, p) == 0u) == (side > 0.0f)) return q;
+            step *= 2.0f;
+        }
+    }
     return s.position + side * s.error * s.geometric_normal;
 }
 
@@ -188,18 +215,19 @@ FN Bsdf surface_bsdf(const_in(SceneView) scene, const_in(Surface) s, float n_rat
     float roughness = m.roughness;
     float metallic = m.metallic;
     if (m.color_texture != NONE) {
-        vec4 t = texture_at(scene, m.color_texture, s.uv);
+        vec4 t = texture_at(scene, m.color_texture, s.uv, s.face);
         color *= vec3(t.x, t.y, t.z);
     }
-    if (m.roughness_texture != NONE) roughness *= texture_at(scene, m.roughness_texture, s.uv).y;
-    if (m.metallic_texture != NONE) metallic *= texture_at(scene, m.metallic_texture, s.uv).z;
+    color = mix(color, vec3(s.line.x, s.line.y, s.line.z), s.line.w);
+    if (m.roughness_texture != NONE) roughness *= texture_at(scene, m.roughness_texture, s.uv, s.face).y;
+    if (m.metallic_texture != NONE) metallic *= texture_at(scene, m.metallic_texture, s.uv, s.face).z;
     microfacet_begin(scene);
     return make_bsdf(m, color, roughness, metallic, n_ratio);
 }
 
 FN float surface_opacity(const_in(SceneView) scene, const_in(Surface) s) {
     if (s.material == NONE) return 0.0f;
-    return material_opacity(scene, s.material, s.uv);
+    return material_opacity(scene, s.material, s.uv, s.face);
 }
 
 // Radiance that the surface itself sends towards wo.
@@ -207,7 +235,7 @@ FN vec3 surface_emission(const_in(SceneView) scene, const_in(Surface) s) {
     if (s.material == NONE) return vec3(0.0f);
     if (is_black(scene.materials.at[s.material].emission)) return vec3(0.0f);
     if (!s.entering && scene.materials.at[s.material].emission_two_sided == 0u) return vec3(0.0f);
-    return material_emission(scene, s.material, s.uv);
+    return material_emission(scene, s.material, s.uv, s.face);
 }
 
 // Shading frame whose z is on wo's side, the normal map applied; z is bent until wo stays above it.
@@ -219,7 +247,7 @@ FN Frame shading_frame(const_in(SceneView) scene, const_in(Surface) s, vec3 wo) 
         if (dot(t, t) > 1.0e-12f) {
             t = normalize(t);
             vec3 b = s.bitangent_sign * cross(n, t);
-            vec4 texel = texture_at(scene, map, s.uv);
+            vec4 texel = texture_at(scene, map, s.uv, s.face);
             float scale = scene.materials.at[s.material].normal_scale;
             vec3 m = vec3((2.0f * texel.x - 1.0f) * scale, (2.0f * texel.y - 1.0f) * scale,
                           max(2.0f * texel.z - 1.0f, 0.01f));

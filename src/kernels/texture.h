@@ -32,9 +32,49 @@ FN vec4 texel_at(const_in(SceneView) scene, const_in(Texture) t, int x, int y) {
     return c;
 }
 
-// uv: (0,0) is the lower left corner of the image.
-FN vec4 texture_at(const_in(SceneView) scene, uint index, vec2 uv) {
+// A place on a face of a cube, which hits tell along the axes axis + 1 and axis + 2 (cyclic), as one who stands before
+// the face with +y up sees it, u to the right and v up. From above and from below, u runs along +x; v runs along −z on
+// the top and along +z on the bottom.
+FN vec2 upright_uv(vec2 uv, uint face) {
+    if (face == 0u) return vec2(uv.y, uv.x);
+    if (face == 1u) return vec2(1.0f - uv.y, uv.x);
+    if (face == 2u) return vec2(uv.y, uv.x);
+    if (face == 3u) return vec2(uv.y, 1.0f - uv.x);
+    if (face == 4u) return vec2(1.0f - uv.x, uv.y);
+    return uv;
+}
+
+// A picture of its own on every face: a rectangle of an atlas, whose neighbours are not looked at.
+FN vec4 face_texture_at(const_in(SceneView) scene, const_in(Texture) t, vec2 uv, uint face) {
+    vec2 st = clamp(upright_uv(uv, face), vec2(0.0f), vec2(1.0f));
+    uint first = t.face_first + 4u * face;
+    int left = int(scene.words.at[first]);
+    int top = int(scene.words.at[first + 1u]);
+    int right = left + int(scene.words.at[first + 2u]) - 1;
+    int bottom = top + int(scene.words.at[first + 3u]) - 1;
+    float x = float(left) + st.x * float(right - left + 1);
+    float y = float(top) + (1.0f - st.y) * float(bottom - top + 1);
+    if (t.filter_kind == FILTER_NEAREST) return texel_at(scene, t, min(int(x), right), min(int(y), bottom));
+    x -= 0.5f;
+    y -= 0.5f;
+    int i = int(floor(x));
+    int j = int(floor(y));
+    float a = x - float(i);
+    float b = y - float(j);
+    int i0 = max(i, left);
+    int i1 = min(i + 1, right);
+    int j0 = max(j, top);
+    int j1 = min(j + 1, bottom);
+    vec4 upper = mix(texel_at(scene, t, i0, j0), texel_at(scene, t, i1, j0), a);
+    vec4 lower = mix(texel_at(scene, t, i0, j1), texel_at(scene, t, i1, j1), a);
+    return mix(upper, lower, b);
+}
+
+// uv: (0,0) is the lower left corner of the image. `face` of a cube that uv lies on, for textures that differ by face;
+// NONE: there is none.
+FN vec4 texture_at(const_in(SceneView) scene, uint index, vec2 uv, uint face) {
     RECORD(Texture) t = scene.textures.at[index];
+    if (t.face_first != NONE) return face_texture_at(scene, t, uv, min(face, 5u));
     vec2 st = uv * t.scale + t.offset;
     if (t.kind == TEXTURE_CHECKER) {
         // Beyond this a float has no fraction left, and int no value.

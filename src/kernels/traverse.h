@@ -11,7 +11,9 @@
 #include "mesh.h"
 #include "plane.h"
 #include "sdf.h"
+#include "sdf_voxels.h"
 #include "sphere.h"
+#include "voxel_shapes.h"
 #include "voxels.h"
 KERNELS_BEGIN
 
@@ -31,6 +33,15 @@ FN float instance_limit(uint instance, const_in(Hit) hit) {
     return is_hit(hit) && instance < hit.instance ? next_above(hit.t) : hit.t;
 }
 
+// The nearest interface of any set of voxels in (ray.t_min, hit.t).
+FN void voxel_set_closest(const_in(SceneView) scene, uint grid, uint slot_first, Ray ray, inout(Hit) hit) {
+    switch (scene.voxel_grids.at[grid].walk) {
+        case VOXEL_WALK_TREE: device_voxels_closest(scene, grid, slot_first, ray, hit); break;
+        case VOXEL_WALK_SHAPES: shaped_voxels_closest(scene, grid, slot_first, ray, hit); break;
+        case VOXEL_WALK_SDF: sdf_voxels_closest(scene, grid, slot_first, ray, hit); break;
+    }
+}
+
 // The nearest hit of one instance in (ray.t_min, hit.t).
 FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inout(Hit) hit) {
     Ray local = ray_to_local(scene.instances.at[instance], ray);
@@ -42,7 +53,7 @@ FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inou
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: mesh_closest(scene, geometry, local, hit); break;
         case GEOMETRY_VOXELS:
-            device_voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            voxel_set_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
             break;
         case GEOMETRY_SDF: sdf_closest(scene, geometry, local, hit); break;
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;
@@ -62,7 +73,7 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: return mesh_any(scene, geometry, local);
         case GEOMETRY_VOXELS:
-            device_voxels_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
+            voxel_set_closest(scene, geometry, scene.instances.at[instance].slot_first, local, hit);
             break;
         case GEOMETRY_SDF: return sdf_any(scene, geometry, local);
         case GEOMETRY_SPHERE: sphere_closest(local, hit); break;

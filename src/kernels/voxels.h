@@ -22,7 +22,7 @@
 // cell sees that cell: it hits at the next number above t_min, on the face that opposes the direction's
 // largest component.
 #include "box.h"
-#include "scene_view.h"
+#include "sdf.h"
 KERNELS_BEGIN
 
 const uint VOXEL_AIR = 0xfffffffeu;
@@ -95,9 +95,25 @@ FN VoxelCube voxel_cube(const_in(SceneView) scene, const_in(VoxelGrid) grid, ive
     return VoxelCube(0u, 0u);  // not reached: a tree has at most that many levels
 }
 
+// ------------------------------------------------------------------------------------------------ cells that an SDF
+// tells The SDF in the middle of a cell, in its own units.
+FN float voxel_sdf(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 cell) {
+    return sdf_distance(scene, grid.sdf, grid.sdf_origin + (vec3(cell) + vec3(0.5f)) * grid.sdf_cell);
+}
+
+// Palette index of a solid cell at this height: one more for each stratum that begins below its middle.
+FN uint voxel_stratum(const_in(SceneView) scene, const_in(VoxelGrid) grid, int y) {
+    float height = grid.sdf_origin.y + (float(y) + 0.5f) * grid.sdf_cell;
+    uint palette = 1u;
+    for (uint i = 0u; i < grid.strata_count; ++i)
+        if (scene.floats.at[grid.strata_first + i] <= height) ++palette;
+    return palette;
+}
+
 // Palette index of a cell; 0, empty, outside the set.
 FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
     if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= grid.size.x || c.y >= grid.size.y || c.z >= grid.size.z) return 0u;
+    if (grid.sdf != NONE) return voxel_sdf(scene, grid, c) <= 0.0f ? voxel_stratum(scene, grid, c.y) : 0u;
     VoxelStack stack;
     stack.node[grid.level_count - 1u] = grid.root;
     VoxelCube cube = voxel_cube(scene, grid, c, grid.level_count - 1u, stack);
@@ -209,6 +225,51 @@ FN ivec3 voxel_first_cell(ivec3 size, Ray ray, const_in(VoxelRay) r) {
                  voxel_cell(o.z, d.z, r.inverse.z, r.enter, true, 0, size.z - 1));
 }
 
+// The way out of a cube of cells: the cell behind it, the axis of the plane between and its t.
+struct VoxelStep {
+    ivec3 next;
+    uint axis;
+    float t;
+};
+
+FN VoxelStep voxel_step(Ray ray, const_in(VoxelRay) r, ivec3 cell, uint log2_edge) {
+    vec3 o = ray.origin;
+    vec3 d = ray.direction;
+    int edge = 1 << log2_edge;
+    ivec3 lower = (cell >> int(log2_edge)) << int(log2_edge);
+    ivec3 upper = lower + (edge - 1);
+    float tx = r.still.x ? INFINITE : voxel_plane(r.positive.x == 1 ? lower.x + edge : lower.x, o.x, r.inverse.x);
+    float ty = r.still.y ? INFINITE : voxel_plane(r.positive.y == 1 ? lower.y + edge : lower.y, o.y, r.inverse.y);
+    float tz = r.still.z ? INFINITE : voxel_plane(r.positive.z == 1 ? lower.z + edge : lower.z, o.z, r.inverse.z);
+    VoxelStep s;
+    if (tx <= ty && tx <= tz) {
+        s.axis = 0u;
+        s.t = tx;
+        s.next = ivec3(r.positive.x == 1 ? upper.x + 1 : lower.x - 1, cell.y, cell.z);
+        if (edge > 1) {
+            s.next.y = voxel_cell(o.y, d.y, r.inverse.y, s.t, false, lower.y, upper.y);
+            s.next.z = voxel_cell(o.z, d.z, r.inverse.z, s.t, false, lower.z, upper.z);
+        }
+    } else if (ty <= tz) {
+        s.axis = 1u;
+        s.t = ty;
+        s.next = ivec3(cell.x, r.positive.y == 1 ? upper.y + 1 : lower.y - 1, cell.z);
+        if (edge > 1) {
+            s.next.x = voxel_cell(o.x, d.x, r.inverse.x, s.t, true, lower.x, upper.x);
+            s.next.z = voxel_cell(o.z, d.z, r.inverse.z, s.t, false, lower.z, upper.z);
+        }
+    } else {
+        s.axis = 2u;
+        s.t = tz;
+        s.next = ivec3(cell.x, cell.y, r.positive.z == 1 ? upper.z + 1 : lower.z - 1);
+        if (edge > 1) {
+            s.next.x = voxel_cell(o.x, d.x, r.inverse.x, s.t, true, lower.x, upper.x);
+            s.next.y = voxel_cell(o.y, d.y, r.inverse.y, s.t, true, lower.y, upper.y);
+        }
+    }
+    return s;
+}
+
 // A hit in the cell where the walk begins: on the face that the ray comes in by, or at once where it starts in what is
 // opaque. False: there is none.
 FN bool voxel_first_hit(Ray ray, const_in(VoxelRay) r, ivec3 cell, uint palette, uint medium, inout(Hit) hit) {
@@ -232,7 +293,6 @@ FN void voxels_closest(const_in(SceneView) scene, uint grid_index, uint slot_fir
     ivec3 size = grid.size;
     VoxelRay r = voxel_ray(size, ray);
     if (!(r.enter < r.leave) || r.enter >= hit.t) return;
-    vec3 o = ray.origin;
     vec3 d = ray.direction;
 
     ivec3 cell = voxel_first_cell(size, ray, r);
@@ -247,40 +307,10 @@ FN void voxels_closest(const_in(SceneView) scene, uint grid_index, uint slot_fir
     // Each step leaves a cell for good along one axis, so there are at most this many.
     int steps = size.x + size.y + size.z;
     for (int i = 0; i < steps; ++i) {
-        int edge = 1 << cube.log2_edge;
-        ivec3 lower = (cell >> int(cube.log2_edge)) << int(cube.log2_edge);
-        ivec3 upper = lower + (edge - 1);
-        float tx = r.still.x ? INFINITE : voxel_plane(r.positive.x == 1 ? lower.x + edge : lower.x, o.x, r.inverse.x);
-        float ty = r.still.y ? INFINITE : voxel_plane(r.positive.y == 1 ? lower.y + edge : lower.y, o.y, r.inverse.y);
-        float tz = r.still.z ? INFINITE : voxel_plane(r.positive.z == 1 ? lower.z + edge : lower.z, o.z, r.inverse.z);
-        ivec3 next;
-        uint axis;
-        float t;
-        if (tx <= ty && tx <= tz) {
-            axis = 0u;
-            t = tx;
-            next = ivec3(r.positive.x == 1 ? upper.x + 1 : lower.x - 1, cell.y, cell.z);
-            if (edge > 1) {
-                next.y = voxel_cell(o.y, d.y, r.inverse.y, t, false, lower.y, upper.y);
-                next.z = voxel_cell(o.z, d.z, r.inverse.z, t, false, lower.z, upper.z);
-            }
-        } else if (ty <= tz) {
-            axis = 1u;
-            t = ty;
-            next = ivec3(cell.x, r.positive.y == 1 ? upper.y + 1 : lower.y - 1, cell.z);
-            if (edge > 1) {
-                next.x = voxel_cell(o.x, d.x, r.inverse.x, t, true, lower.x, upper.x);
-                next.z = voxel_cell(o.z, d.z, r.inverse.z, t, false, lower.z, upper.z);
-            }
-        } else {
-            axis = 2u;
-            t = tz;
-            next = ivec3(cell.x, cell.y, r.positive.z == 1 ? upper.z + 1 : lower.z - 1);
-            if (edge > 1) {
-                next.x = voxel_cell(o.x, d.x, r.inverse.x, t, true, lower.x, upper.x);
-                next.y = voxel_cell(o.y, d.y, r.inverse.y, t, true, lower.y, upper.y);
-            }
-        }
+        VoxelStep step = voxel_step(ray, r, cell, cube.log2_edge);
+        ivec3 next = step.next;
+        uint axis = step.axis;
+        float t = step.t;
         if (t >= hit.t) return;
         bool inside =
             next.x >= 0 && next.y >= 0 && next.z >= 0 && next.x < size.x && next.y < size.y && next.z < size.z;

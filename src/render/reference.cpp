@@ -141,6 +141,109 @@ MaybeHit hit_voxels(const SceneView& scene, const kernels::VoxelGrid& grid, std:
     return {};
 }
 
+// How far a point of a cell is outside of the voxel there, below 0 within it: rounded edges, waves
+// (kernels/voxel_shapes.h says what they are).
+double outside_voxel(const SceneView& scene, const kernels::VoxelGrid& grid, std::uint32_t slot_first,
+                     const glm::ivec3& cell, const dvec3& p) {
+    const std::uint32_t palette = kernels::voxel_at(scene, grid, cell);
+    const double shape = palette == 0 ? 0 : double(scene.floats.at[grid.shape_first + palette - 1]);
+    const auto air = [&](int axis, int side) {
+        glm::ivec3 there = cell;
+        there[axis] += side;
+        return matter_at(scene, grid, slot_first, there).is_air();
+    };
+    if (shape > 0) {
+        dvec3 d(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double x = p[axis] - cell[axis];
+            if (x < shape && air(axis, -1)) d[axis] = x - shape;
+            if (x > 1 - shape && air(axis, 1)) d[axis] = x - (1 - shape);
+        }
+        return glm::length(d) - shape;
+    }
+    if (!(shape < 0) || !air(1, 1)) return -1;
+    const float* table = scene.floats.at + grid.wave_first;
+    double height = double(table[0]);
+    for (std::uint32_t i = 0; i < grid.wave_count; ++i) {
+        const float* wave = table + 3 + 4 * i;
+        height += double(wave[3]) * std::sin(double(wave[0]) * p.x + double(wave[1]) * p.z + double(wave[2]));
+    }
+    return p.y - cell.y - height;
+}
+
+// As hit_voxels, where voxels do not fill their cells: many small steps through each, bisection where matter changes.
+MaybeHit hit_shaped_voxels(const SceneView& scene, const kernels::VoxelGrid& grid, std::uint32_t slot_first,
+                           const LocalRay& ray) {
+    constexpr int step_count = 200;
+    std::vector<double> ends{ray.t_min};
+    for (int axis = 0; axis < 3; ++axis)
+        for (int plane = 0; plane <= grid.size[axis] && ray.direction[axis] != 0; ++plane) {
+            const double t = (plane - ray.origin[axis]) / ray.direction[axis];
+            if (ray.admits(t)) ends.push_back(t);
+        }
+    std::sort(ends.begin(), ends.end());
+    const auto matter_in = [&](const glm::ivec3& cell, double t) {
+        const Matter full = matter_at(scene, grid, slot_first, cell);
+        return full.is_air() || outside_voxel(scene, grid, slot_first, cell, ray.at(t)) > 0 ? Matter{} : full;
+    };
+    const auto place = [&](double t, const glm::ivec3& owner, const dvec3& normal, std::uint32_t flags) {
+        const dvec3 m = glm::abs(normal), p = glm::clamp(ray.at(t) - dvec3(owner), 0.0, 1.0);
+        const int axis = m.x >= m.y && m.x >= m.z ? 0 : (m.y >= m.z ? 1 : 2);
+        return LocalHit{.t = t,
+                        .primitive = kernels::voxel_at(scene, grid, owner),
+                        .face = std::uint32_t(2 * axis + (normal[axis] > 0 ? 1 : 0)) | flags,
+                        .uv = {p[(axis + 1) % 3], p[(axis + 2) % 3]},
+                        .cell = owner,
+                        .normal = normal};
+    };
+    const auto entered_axis = [&](const glm::ivec3& from, const glm::ivec3& to) {
+        return from.x != to.x ? 0 : from.y != to.y ? 1 : 2;
+    };
+    Matter matter;
+    glm::ivec3 cell(0);
+    bool begun = false;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+        const double begin = ends[i],
+                     end = i + 1 < ends.size() ? ends[i + 1] : begin + 1e-6 / glm::length(ray.direction);
+        if (!(end > begin)) continue;
+        const glm::ivec3 next = glm::ivec3(glm::floor(ray.at(0.5 * (begin + end))));
+        const double margin = 1e-7 * (end - begin);
+        double t = begin + margin;
+        const Matter entered = matter_in(next, t);
+        if (!begun && entered.opaque) {
+            const dvec3 m = glm::abs(ray.direction);
+            const int axis = m.x >= m.y && m.x >= m.z ? 0 : (m.y >= m.z ? 1 : 2);
+            return place(ray.t_min, next, unit_axis(axis, ray.direction[axis] < 0 ? 1 : -1), 0);
+        }
+        if (begun && entered != matter) {
+            const int axis = entered_axis(cell, next);
+            const double against = ray.direction[axis] > 0 ? -1 : 1;
+            return entered.is_air() ? place(begin, cell, unit_axis(axis, -against), 0)
+                                    : place(begin, next, unit_axis(axis, against), 0);
+        }
+        begun = true;
+        matter = entered;
+        cell = next;
+        for (int k = 1; k <= step_count; ++k) {
+            double there = begin + margin + (end - begin - 2 * margin) * k / step_count;
+            if (matter_in(cell, there) == matter) {
+                t = there;
+                continue;
+            }
+            for (int j = 0; j < 60; ++j) {
+                const double middle = 0.5 * (t + there);
+                (matter_in(cell, middle) == matter ? t : there) = middle;
+            }
+            dvec3 normal;
+            for (int axis = 0; axis < 3; ++axis)
+                normal[axis] = outside_voxel(scene, grid, slot_first, cell, ray.at(there) + unit_axis(axis, 1e-6)) -
+                               outside_voxel(scene, grid, slot_first, cell, ray.at(there) - unit_axis(axis, 1e-6));
+            return place(there, cell, normal, kernels::VOXEL_FACE_INNER);
+        }
+    }
+    return {};
+}
+
 MaybeHit hit_sphere(const LocalRay& ray) {
     const double a = glm::dot(ray.direction, ray.direction);
     const double b = glm::dot(ray.origin, ray.direction) / a;
@@ -236,6 +339,8 @@ MaybeHit hit_instance(const SceneView& scene, const kernels::Instance& instance,
     switch (instance.geometry_kind) {
         case kernels::GEOMETRY_MESH: return hit_mesh(scene, scene.meshes.at[instance.geometry], ray);
         case kernels::GEOMETRY_VOXELS:
+            if (scene.voxel_grids.at[instance.geometry].walk == kernels::VOXEL_WALK_SHAPES)
+                return hit_shaped_voxels(scene, scene.voxel_grids.at[instance.geometry], instance.slot_first, ray);
             return hit_voxels(scene, scene.voxel_grids.at[instance.geometry], instance.slot_first, ray);
         case kernels::GEOMETRY_SDF: return hit_sdf(scene, instance.geometry, ray);
         case kernels::GEOMETRY_SPHERE: return hit_sphere(ray);

@@ -34,8 +34,8 @@ struct Compilation {
 
 // compile_textures.cpp
 void add_textures(Compilation& c);
-// Mean linear rgb of a texture; 1 for NONE.
-vec3 mean_color(const CompiledScene& out, kernels::uint texture);
+// Mean linear rgb of a texture, on one face of a cube where it differs by face; 1 for NONE.
+vec3 mean_color(const CompiledScene& out, kernels::uint texture, kernels::uint face);
 
 // compile_media.cpp: an index into media or interiors, shared among equals.
 kernels::uint add_medium(Compilation& c, const kernels::Medium& medium);

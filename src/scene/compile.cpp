@@ -125,6 +125,13 @@ struct ShapeBuilder {
 
     Error fail(const Error& error) const { return {fmt::format("geometry '{}': {}", name, error.message)}; }
 
+    uint append_sdf(SdfData& data) const {
+        data.sdf.op_first = uint(c.out.sdf_ops.size());
+        c.out.sdfs.push_back(data.sdf);
+        append(c.out.sdf_ops, data.ops);
+        return uint(c.out.sdfs.size() - 1);
+    }
+
     Result<Shape> operator()(const MeshGeometry& mesh) const {
         Result<MeshData> data = build_mesh(mesh);
         if (!data) return fail(data.error());
@@ -143,12 +150,15 @@ struct ShapeBuilder {
         if (data->nodes.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
         return shape;
     }
-    Result<Shape> operator()(const VoxelGeometry&) const {
+    Result<Shape> operator()(const VoxelGeometry& voxels) const {
         const VoxelTree& tree = *c.trees[geometry];
         Shape shape;
         shape.kind = kernels::GEOMETRY_VOXELS;
         shape.index = uint(c.out.voxel_grids.size());
-        c.out.voxel_grids.push_back(append_voxels(tree, c.out.voxel_nodes, c.out.words));
+        kernels::VoxelGrid grid = append_voxels(tree, c.out.voxel_nodes, c.out.words);
+        append_shapes(voxels, grid, c.out.floats);
+        if (voxels.outlines) append_outlines(*voxels.outlines, grid, c.out.floats);
+        c.out.voxel_grids.push_back(grid);
         shape.upper = vec3(tree.size());
         return shape;
     }
@@ -157,12 +167,24 @@ struct ShapeBuilder {
         if (!data) return fail(data.error());
         Shape shape;
         shape.kind = kernels::GEOMETRY_SDF;
-        shape.index = uint(c.out.sdfs.size());
-        data->sdf.op_first = uint(c.out.sdf_ops.size());
-        c.out.sdfs.push_back(data->sdf);
-        append(c.out.sdf_ops, data->ops);
+        shape.index = append_sdf(*data);
         shape.lower = data->sdf.lower;
         shape.upper = data->sdf.upper;
+        return shape;
+    }
+    Result<Shape> operator()(const SdfVoxelGeometry& voxels) const {
+        Result<SdfData> data = build_sdf(voxels.sdf);
+        if (!data) return fail(data.error());
+        Result<kernels::VoxelGrid> grid = append_sdf_voxels(voxels, data->sdf, append_sdf(*data), c.out.floats);
+        if (!grid) return Error{fmt::format("geometry '{}' {}", name, grid.error().message)};
+        if (voxels.outlines) append_outlines(*voxels.outlines, *grid, c.out.floats);
+        Shape shape;
+        shape.kind = kernels::GEOMETRY_VOXELS;
+        shape.index = uint(c.out.voxel_grids.size());
+        shape.bake = scaling(vec3(voxels.cell));
+        shape.bake[3] = grid->sdf_origin;
+        shape.upper = vec3(grid->size);
+        c.out.voxel_grids.push_back(*grid);
         return shape;
     }
     // The box of a grid; what is in it comes from the object's interior medium.

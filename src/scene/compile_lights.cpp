@@ -61,8 +61,8 @@ void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint in
             vec3 sum(0);
             for (int a = 0; a <= 4; ++a)
                 for (int b = 0; a + b <= 4; ++b)
-                    sum += kernels::material_emission(view, material,
-                                                      kernels::light_uv(view, light, vec2(float(a), float(b)) / 4.0f));
+                    sum += kernels::material_emission(
+                        view, material, kernels::light_uv(view, light, vec2(float(a), float(b)) / 4.0f), NONE);
             if (kernels::is_black(sum)) continue;
             light.radiance = sum / 15.0f;
         }
@@ -73,6 +73,11 @@ void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint in
 void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, const VoxelTree& tree, uint instance) {
     const kernels::Instance placed = out.instances[instance];
     const auto slot_of = [&](uint palette) { return out.slots[placed.slot_first + palette - 1]; };
+    // What is round or has waves is found by following paths alone: its faces are no parallelograms.
+    const kernels::VoxelGrid& grid = out.voxel_grids[placed.geometry];
+    const auto shaped = [&](uint palette) {
+        return grid.walk == kernels::VOXEL_WALK_SHAPES && out.floats[grid.shape_first + palette - 1] != 0;
+    };
     const std::size_t first = out.lights.size();
     const auto add_faces = [&](ivec3 cell, std::uint16_t palette) {
         for (uint face = 0; face < 6; ++face) {
@@ -96,7 +101,7 @@ void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, const 
         }
     };
     tree.for_each_cube([&](ivec3 lower, int edge, std::uint16_t palette) {
-        if (!emits(out, slot_of(palette).material)) return;
+        if (!emits(out, slot_of(palette).material) || shaped(palette)) return;
         for (int z = 0; z < edge; ++z)
             for (int y = 0; y < edge; ++y)
                 for (int x = 0; x < edge; ++x) add_faces(lower + ivec3(x, y, z), palette);
@@ -141,7 +146,8 @@ double power_of(const CompiledScene& out, const kernels::Light& light) {
     if (light.material != NONE) {
         const kernels::Material& m = out.materials[light.material];
         if (m.emission_texture == NONE) radiance = m.emission;
-        else if (light.kind != kernels::LIGHT_TRIANGLE) radiance = m.emission * mean_color(out, m.emission_texture);
+        else if (light.kind != kernels::LIGHT_TRIANGLE)
+            radiance = m.emission * mean_color(out, m.emission_texture, kernels::light_face(out.view(), light));
     }
     const double l = kernels::luminance(radiance);
     switch (light.kind) {
@@ -218,7 +224,8 @@ void add_surface_lights(Compilation& c) {
         switch (placed.geometry_kind) {
             case kernels::GEOMETRY_MESH: add_mesh_lights(out, view, i); break;
             case kernels::GEOMETRY_VOXELS:
-                add_voxel_lights(out, view, *c.trees[std::size_t(c.scene.objects[i].geometry)], i);
+                if (const VoxelTreePointer& tree = c.trees[std::size_t(c.scene.objects[i].geometry)])
+                    add_voxel_lights(out, view, *tree, i);
                 break;
             case kernels::GEOMETRY_SPHERE:
                 // A sphere that is stretched or textured is found by following paths alone.

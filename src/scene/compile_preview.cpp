@@ -68,17 +68,25 @@ kernels::PreviewLight studio_light() {
     return light;
 }
 
+// Of all faces alike: from afar nobody knows which one is seen.
+vec3 mean_color_of_cube(const CompiledScene& out, uint texture) {
+    if (texture == NONE || out.textures[texture].face_first == NONE) return mean_color(out, texture, 0);
+    vec3 sum(0);
+    for (uint face = 0; face < 6; ++face) sum += mean_color(out, texture, face);
+    return sum / 6.0f;
+}
+
 VoxelLook look_of_material(const CompiledScene& out, const kernels::SceneView& view, uint material) {
     VoxelLook look = kernels::no_voxel_look();
     if (material == NONE) return look;
     const kernels::Material& m = out.materials[material];
-    const vec3 emission = m.emission * mean_color(out, m.emission_texture);
+    const vec3 emission = m.emission * mean_color_of_cube(out, m.emission_texture);
     const bool emits = !kernels::is_black(emission);
     if (m.kind == kernels::MATERIAL_DIELECTRIC && !emits) return look;  // cones see through glass
     look.coverage = vec3(glm::clamp(m.opacity, 0.0f, 1.0f));
     kernels::microfacet_begin(view);
     const kernels::Bsdf bsdf =
-        kernels::make_bsdf(m, m.color * mean_color(out, m.color_texture), m.roughness, m.metallic, 1.0f);
+        kernels::make_bsdf(m, m.color * mean_color_of_cube(out, m.color_texture), m.roughness, m.metallic, 1.0f);
     look.albedo = glm::clamp(kernels::bsdf_albedo(bsdf, vec3(0, 0, 1)), vec3(0), vec3(1));
     if (emits) {
         look.share = look.emitting = 1;
@@ -113,6 +121,7 @@ void add_voxel_mips(Compilation& c) {
         const kernels::Instance& placed = out.instances[i];
         if (placed.geometry_kind != kernels::GEOMETRY_VOXELS) continue;
         const std::size_t geometry = std::size_t(c.scene.objects[i].geometry), slots = c.shapes[geometry].slot_count;
+        if (!c.trees[geometry]) continue;  // voxels of an SDF, which are nowhere kept: cones do not see them
         for (int axis = 0; axis < 3; ++axis) {
             const float edge = glm::length(placed.object_to_world[axis]);
             out.mip_edge = out.mip_edge > 0 ? std::min(out.mip_edge, edge) : edge;

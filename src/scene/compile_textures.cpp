@@ -1,5 +1,7 @@
 #include <cmath>
 #include <glm/gtc/packing.hpp>
+#include <map>
+#include <utility>
 
 #include "image/pixels.h"
 #include "image/tone_map.h"
@@ -31,20 +33,18 @@ glm::tvec4<T> rgba_of(const T* pixel, int channels, T opaque) {
     }
 }
 
-kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& words) {
-    const PixelBuffer& pixels = *image.pixels;
-    kernels::Texture t = {};
-    t.width = uint(pixels.width);
-    t.height = uint(pixels.height);
-    t.word_first = uint(words.size());
-    t.filter_kind = image.filter == Filter::nearest ? kernels::FILTER_NEAREST : kernels::FILTER_TRILINEAR;
-    t.wrap = kernel_wrap(image.wrap);
-    t.scale = image.scale;
-    t.offset = image.offset;
+// Texels of a picture; textures that show the same one share them.
+struct Texels {
+    uint kind;
+    uint word_first;
+};
+using TexelsOf = std::map<std::pair<const PixelBuffer*, bool>, Texels>;
+
+Texels append_texels(const PixelBuffer& pixels, bool srgb, std::vector<uint>& words, TexelsOf& known) {
+    const auto [entry, fresh] = known.try_emplace({&pixels, srgb}, Texels{kernels::TEXTURE_RGBA8, uint(words.size())});
+    if (!fresh) return entry->second;
     const std::size_t count = std::size_t(pixels.width) * std::size_t(pixels.height);
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&pixels.data)) {
-        t.kind = kernels::TEXTURE_RGBA8;
-        t.srgb = image.srgb ? 1 : 0;
         words.reserve(words.size() + count);
         for (std::size_t i = 0; i < count; ++i) {
             const auto p =
@@ -53,23 +53,56 @@ kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& word
         }
     } else {
         const auto& floats = std::get<std::vector<float>>(pixels.data);
-        t.kind = kernels::TEXTURE_RGBA16F;
+        entry->second.kind = kernels::TEXTURE_RGBA16F;
         words.reserve(words.size() + 2 * count);
         for (std::size_t i = 0; i < count; ++i) {
             auto p = rgba_of<float>(floats.data() + i * std::size_t(pixels.channels), pixels.channels, 1.0f);
-            if (image.srgb && pixels.encoded)
+            if (srgb && pixels.encoded)
                 for (int k = 0; k < 3; ++k) p[k] = srgb_decoded(p[k]);
             for (int k = 0; k < 4; ++k) p[k] = std::isfinite(p[k]) ? glm::clamp(p[k], -65504.0f, 65504.0f) : 0.0f;
             words.push_back(glm::packHalf2x16({p.x, p.y}));
             words.push_back(glm::packHalf2x16({p.z, p.w}));
         }
     }
+    return entry->second;
+}
+
+template <class PictureTexture>
+kernels::Texture picture_record(const PictureTexture& picture, std::vector<uint>& words, TexelsOf& known) {
+    const PixelBuffer& pixels = *picture.pixels;
+    const Texels texels = append_texels(pixels, picture.srgb, words, known);
+    kernels::Texture t = {};
+    t.kind = texels.kind;
+    t.width = uint(pixels.width);
+    t.height = uint(pixels.height);
+    t.word_first = texels.word_first;
+    t.srgb = t.kind == kernels::TEXTURE_RGBA8 && picture.srgb ? 1 : 0;
+    t.filter_kind = picture.filter == Filter::nearest ? kernels::FILTER_NEAREST : kernels::FILTER_TRILINEAR;
+    t.face_first = kernels::NONE;
+    return t;
+}
+
+kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& words, TexelsOf& known) {
+    kernels::Texture t = picture_record(image, words, known);
+    t.wrap = kernel_wrap(image.wrap);
+    t.scale = image.scale;
+    t.offset = image.offset;
+    return t;
+}
+
+kernels::Texture face_record(const FaceTexture& faces, std::vector<uint>& words, TexelsOf& known) {
+    kernels::Texture t = picture_record(faces, words, known);
+    t.wrap = kernels::WRAP_CLAMP;
+    t.face_first = uint(words.size());
+    for (const glm::ivec4& rectangle : faces.faces)
+        for (int i = 0; i < 4; ++i) words.push_back(uint(rectangle[i]));
     return t;
 }
 
 kernels::Texture checker_record(const CheckerTexture& checker) {
     kernels::Texture t = {};
     t.kind = kernels::TEXTURE_CHECKER;
+    t.face_first = kernels::NONE;
     t.scale = checker.scale;
     t.offset = checker.offset;
     t.color_a = checker.color_a;
@@ -80,25 +113,33 @@ kernels::Texture checker_record(const CheckerTexture& checker) {
 }  // namespace
 
 void add_textures(Compilation& c) {
+    TexelsOf known;
     for (const Texture& texture : c.scene.textures) {
         if (const auto* image = std::get_if<ImageTexture>(&texture.data))
-            c.out.textures.push_back(image_record(*image, c.out.words));
+            c.out.textures.push_back(image_record(*image, c.out.words, known));
+        else if (const auto* faces = std::get_if<FaceTexture>(&texture.data))
+            c.out.textures.push_back(face_record(*faces, c.out.words, known));
         else c.out.textures.push_back(checker_record(std::get<CheckerTexture>(texture.data)));
     }
 }
 
-vec3 mean_color(const CompiledScene& out, kernels::uint texture) {
+vec3 mean_color(const CompiledScene& out, kernels::uint texture, kernels::uint face) {
     if (texture == kernels::NONE) return vec3(1);
     const kernels::Texture& t = out.textures[texture];
     if (t.kind == kernels::TEXTURE_CHECKER) return 0.5f * (t.color_a + t.color_b);
     const kernels::SceneView view = out.view();
+    int left = 0, top = 0, right = int(t.width), bottom = int(t.height);
+    if (t.face_first != kernels::NONE) {
+        const uint* rectangle = &out.words[t.face_first + 4 * std::min(face, 5u)];
+        left = int(rectangle[0]), top = int(rectangle[1]);
+        right = left + int(rectangle[2]), bottom = top + int(rectangle[3]);
+    }
     // A grid of texels is enough for a light's power, which only steers sampling.
-    const int step_x = std::max(1, int(t.width) / 256), step_y = std::max(1, int(t.height) / 256);
+    const int step_x = std::max(1, (right - left) / 256), step_y = std::max(1, (bottom - top) / 256);
     glm::dvec3 sum(0);
     double count = 0;
-    for (int y = 0; y < int(t.height); y += step_y)
-        for (int x = 0; x < int(t.width); x += step_x, ++count)
-            sum += glm::dvec3(vec3(kernels::texel_at(view, t, x, y)));
+    for (int y = top; y < bottom; y += step_y)
+        for (int x = left; x < right; x += step_x, ++count) sum += glm::dvec3(vec3(kernels::texel_at(view, t, x, y)));
     return vec3(sum / count);
 }
 

@@ -66,6 +66,7 @@ struct OutlineOf {
         // An expression that cannot be built is compile()'s to report.
         if (const Result<SdfData> data = build_sdf(sdf)) add_corners(points, m, data->sdf.lower, data->sdf.upper);
     }
+    void operator()(const SdfVoxelGeometry& voxels) const { (*this)(voxels.sdf); }
     void operator()(const SphereGeometry& s) const { add_corners(points, m, vec3(-s.radius), vec3(s.radius)); }
     void operator()(const BoxGeometry& b) const { add_corners(points, m, -0.5f * b.size, 0.5f * b.size); }
     void operator()(const RectangleGeometry& r) const {

@@ -2,6 +2,8 @@
 // What the parts of the scene reader share while they fill one Scene.
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,7 +27,8 @@ struct JsonContext {
     NameTable materials{"material", {}, {}};
     NameTable media{"medium", {}, {}};
     NameTable geometries{"geometry", {}, {}};
-    std::vector<GeometryParts> geometry_parts = {};  // by index in `geometries`
+    std::map<std::string, std::shared_ptr<const PixelBuffer>> pictures = {};  // by path: an atlas is read once
+    std::vector<GeometryParts> geometry_parts = {};                           // by index in `geometries`
 };
 
 // Each reads the value of one key of the scene file.

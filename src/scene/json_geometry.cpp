@@ -151,6 +151,72 @@ VoxelGeometry read_voxels(JsonContext& context, const JsonValue& value, const st
                      read_integers<std::uint16_t>(context, cells, 65535, of("cells", what)));
 }
 
+std::optional<VoxelOutlines> read_outlines(JsonContext& context, const JsonValue& value, const std::string& what) {
+    const JsonValue* outlines = value.find("outlines");
+    if (!outlines) return {};
+    VoxelOutlines read;
+    context.json.record(*outlines, outlines_record(), &read, "\"outlines\" of " + what);
+    return read;
+}
+
+std::optional<VoxelWaves> read_waves(JsonContext& context, const JsonValue& value, const std::string& what) {
+    const JsonValue* waves = value.find("waves");
+    if (!waves) return {};
+    const std::string where = of("waves", what);
+    VoxelWaves read;
+    if (!context.json.record(*waves, waves_record(), &read, where)) return read;
+    if (const JsonValue* palette = waves->find("palette"))
+        context.json.elements(*palette, of("palette", where), [&](const JsonValue& index, std::size_t) {
+            read.palette.push_back(context.json.integer(index, {1, 65535}, of("palette", where)).value_or(1));
+        });
+    return read;
+}
+
+// One number for all, or one a palette index.
+std::vector<float> read_rounding(JsonContext& context, const JsonValue& value, const std::string& what) {
+    std::vector<float> radii;
+    const JsonValue* rounding = value.find("rounding");
+    if (!rounding) return radii;
+    const auto add = [&](const JsonValue& number) {
+        radii.push_back(float(context.json.number(number, {0, 0.5}, of("rounding", what)).value_or(0)));
+    };
+    if (rounding->array()) {
+        for (const JsonValue& number : *rounding->array()) add(number);
+        // One in a list is that of palette index 1, not of all.
+        if (radii.size() == 1) radii.push_back(0);
+    } else {
+        add(*rounding);
+    }
+    return radii;
+}
+
+// How voxels look, whether written here or in a file.
+void read_looks(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
+                const std::string& what) {
+    const std::vector<float> rounding = read_rounding(context, value, what);
+    const auto outlines = read_outlines(context, value, what);
+    const auto waves = read_waves(context, value, what);
+    if (context.json.error()) return;
+    for (const Object& part : parts) {
+        Geometry& geometry = context.scene.geometries[std::size_t(part.geometry)];
+        auto* voxels = std::get_if<VoxelGeometry>(&geometry.data);
+        if (!voxels) continue;
+        voxels->rounding = rounding;
+        voxels->outlines = outlines;
+        voxels->waves = waves;
+        if (const auto f = fault(geometry)) context.json.fail(value, what + " " + *f);
+    }
+}
+
+void read_sdf_voxels(JsonContext& context, const JsonValue& value, const std::string& what, SdfVoxelGeometry& voxels) {
+    voxels.sdf = read_sdf(context, value, what);
+    voxels.outlines = read_outlines(context, value, what);
+    if (const JsonValue* strata = value.find("strata"))
+        context.json.elements(*strata, of("strata", what), [&](const JsonValue& height, std::size_t) {
+            voxels.strata.push_back(float(context.json.number(height, any, of("strata", what)).value_or(0)));
+        });
+}
+
 Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& what, const std::string& name) {
     Grid grid;
     grid.name = name;
@@ -260,6 +326,8 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
         if (auto* mesh = std::get_if<MeshGeometry>(&geometry.data)) *mesh = read_mesh(context, value, what);
         if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) *voxels = read_voxels(context, value, what);
         if (auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) *sdf = read_sdf(context, value, what);
+        if (auto* voxels = std::get_if<SdfVoxelGeometry>(&geometry.data))
+            read_sdf_voxels(context, value, what, *voxels);
         if (auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             volume->grid = int(context.scene.grids.size());
             context.scene.grids.push_back(read_grid(context, value, what, name));
@@ -273,6 +341,7 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
     }
     read_filter(context, value, parts.objects, what);
     read_level_of_detail(context, value, parts.objects, what);
+    if (record->type == "voxels") read_looks(context, value, parts.objects, what);
     return parts;
 }
 

@@ -31,12 +31,14 @@ std::shared_ptr<const PixelBuffer> read_pixels(JsonContext& context, const JsonV
     if (!file) return nullptr;  // said already: it is required
     const auto path = read_path(context, *file, "\"file\" of " + what);
     if (path.empty()) return nullptr;
+    std::shared_ptr<const PixelBuffer>& known = context.pictures[path.string()];
+    if (known) return known;
     Result<PixelBuffer> pixels = context.loaders.pixels(path);
     if (!pixels) {
         context.json.fail(*file, pixels.error().message);
         return nullptr;
     }
-    return std::make_shared<const PixelBuffer>(*std::move(pixels));
+    return known = std::make_shared<const PixelBuffer>(*std::move(pixels));
 }
 
 // Reports what a thing is at fault with, unless an earlier error is the reason.
@@ -72,6 +74,43 @@ void read_environment(JsonContext& context, const JsonValue& value) {
     check(context, value, environment, "environment");
 }
 
+// Rectangles of an atlas for the six faces, the most particular key first.
+void read_faces(JsonContext& context, const JsonValue& value, const std::string& what, FaceTexture& texture) {
+    static constexpr const char* names[6] = {"west", "east", "bottom", "top", "north", "south"};
+    float grid[2] = {1, 1};
+    if (const JsonValue* given = value.find("grid"))
+        if (!context.json.numbers(*given, 2, {1, 65536}, "\"grid\" of " + what, grid)) return;
+    const ivec2 picture = {texture.pixels->width, texture.pixels->height}, tiles = {int(grid[0]), int(grid[1])};
+    if (vec2(tiles) != vec2(grid[0], grid[1]) || picture.x % tiles.x != 0 || picture.y % tiles.y != 0)
+        return context.json.fail(value, "\"grid\" of " + what + " must divide the picture's " +
+                                            std::to_string(picture.x) + "×" + std::to_string(picture.y) +
+                                            " pixels into tiles");
+    for (int face = 0; face < 6; ++face) {
+        const char* key = names[face];
+        const JsonValue* part = value.find(key);
+        const bool side = face / 2 != 1;
+        if (!part && side) part = value.find(key = "sides");
+        if (!part) part = value.find(key = "all");
+        const std::string where = "\"" + std::string(key) + "\" of " + what;
+        if (!part)
+            return context.json.fail(value, what + " has no \"" + names[face] + "\"" + (side ? ", \"sides\"" : "") +
+                                                " or \"all\": every face needs a part of the atlas");
+        glm::ivec4& rectangle = texture.faces[std::size_t(face)];
+        if (part->array()) {
+            float r[4] = {};
+            if (!context.json.numbers(*part, 4, {0, 65536}, where, r)) return;
+            rectangle = glm::ivec4(r[0], r[1], r[2], r[3]);
+            if (vec4(rectangle) != vec4(r[0], r[1], r[2], r[3]))
+                return context.json.fail(*part, where + " must be whole numbers of pixels");
+        } else {
+            const auto tile = context.json.integer(*part, {0, double(tiles.x * tiles.y - 1)}, where);
+            if (!tile) return;
+            const ivec2 size = picture / tiles;
+            rectangle = {(*tile % tiles.x) * size.x, (*tile / tiles.x) * size.y, size.x, size.y};
+        }
+    }
+}
+
 void read_textures(JsonContext& context, const JsonValue& value) {
     const Family& family = texture_family();
     each_named(context, value, "textures", [&](const JsonMember& member, std::size_t index) {
@@ -82,14 +121,18 @@ void read_textures(JsonContext& context, const JsonValue& value) {
         if (!record) return;
         void* data = emplace(texture.data, family, *record);
         context.json.record(member.value, *record, data, what);
-        if (auto* image = std::get_if<ImageTexture>(&texture.data)) {
-            image->pixels = read_pixels(context, member.value, what);
-            if (image->pixels) {
-                image->file = *member.value.find("file")->text();
-                // Floating-point pictures are linear, unless the scene says otherwise.
-                if (!member.value.find("srgb") && std::holds_alternative<std::vector<float>>(image->pixels->data))
-                    image->srgb = false;
-            }
+        const auto read_picture = [&](auto& picture) {
+            picture.pixels = read_pixels(context, member.value, what);
+            if (!picture.pixels) return;
+            picture.file = *member.value.find("file")->text();
+            // Floating-point pictures are linear, unless the scene says otherwise.
+            if (!member.value.find("srgb") && std::holds_alternative<std::vector<float>>(picture.pixels->data))
+                picture.srgb = false;
+        };
+        if (auto* image = std::get_if<ImageTexture>(&texture.data)) read_picture(*image);
+        if (auto* faces = std::get_if<FaceTexture>(&texture.data)) {
+            read_picture(*faces);
+            if (faces->pixels) read_faces(context, member.value, what, *faces);
         }
         check(context, member.value, texture, what);
     });

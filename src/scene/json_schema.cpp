@@ -175,6 +175,16 @@ OrderedJson definitions() {
     d["material"] = family_schema(material_family());
     d["medium"] = record_schema(medium_record(), false);
     d["erosion"] = record_schema(erosion_record(), false);
+    d["tile"] = {{"anyOf", OrderedJson::array({index, array_of(index, 4)})}};
+    d["tile_grid"] = array_of(bounded("integer", {1, 65536}), 2);
+    const OrderedJson radius = bounded("number", {0, 0.5});
+    d["rounding"] = {{"anyOf", OrderedJson::array({radius, array_of(radius)})}};
+    d["heights"] = array_of(number);
+    OrderedJson palette_list = array_of(bounded("integer", {1, 65535}));
+    palette_list["minItems"] = 1;
+    d["palette_list"] = std::move(palette_list);
+    d["outlines"] = record_schema(outlines_record(), false);
+    d["waves"] = record_schema(waves_record(), false);
     d["geometry"] = family_schema(geometry_family());
     d["geometry_reference"] = {{"anyOf", OrderedJson::array({name(), reference_to("geometry")})}};
     d["object"] = record_schema(object_record(), false);
@@ -228,6 +238,11 @@ std::string type_text(const Field& field) {
                 {"pixels", "number"},
                 {"size3", "[x, y, z], whole"},
                 {"layers", "list of lists of text"},
+                {"tile", "number or [x, y, width, height]"},
+                {"tile_grid", "[columns, rows]"},
+                {"rounding", "number or list"},
+                {"heights", "list of numbers"},
+                {"palette_list", "list of whole numbers"},
                 {"filter", "`nearest`, `linear`"},
                 {"bounds", "two corners"},
                 {"sdf", "text or tree"},
@@ -337,7 +352,8 @@ std::string scene_reference() {
            section("integrator", integrator_record()) + section("environment", environment_family()) +
            section("textures", texture_family()) + material_section() + preset_section() +
            section("media", medium_record()) + section("erosion", erosion_record()) +
-           section("geometries", geometry_family()) + sdf_section() + section("objects", object_record()) +
+           section("geometries", geometry_family()) + section("outlines", outlines_record()) +
+           section("waves", waves_record()) + sdf_section() + section("objects", object_record()) +
            section("lights", light_family()) + section("expected", expected_record());
 }
 

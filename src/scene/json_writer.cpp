@@ -150,6 +150,14 @@ class Writer {
         if (const auto* image = std::get_if<ImageTexture>(&texture.data)) {
             value["file"] = picture(image->file, "texture \"" + texture.name + "\"");
             value["srgb"] = image->srgb;  // its default depends on the picture
+        } else if (const auto* faces = std::get_if<FaceTexture>(&texture.data)) {
+            static constexpr const char* names[6] = {"west", "east", "bottom", "top", "north", "south"};
+            value["file"] = picture(faces->file, "texture \"" + texture.name + "\"");
+            value["srgb"] = faces->srgb;
+            for (std::size_t i = 0; i < 6; ++i) {
+                const glm::ivec4& r = faces->faces[i];
+                value[names[i]] = {r.x, r.y, r.z, r.w};
+            }
         }
         return value;
     }
@@ -200,6 +208,13 @@ class Writer {
             value["size"] = triple(size);
             value["cells"] = cells(*voxels->tree);
             if (voxels->level_of_detail > 0) value["level_of_detail"] = json_number(voxels->level_of_detail);
+            if (voxels->rounding.size() == 1) value["rounding"] = json_number(voxels->rounding[0]);
+            else if (!voxels->rounding.empty()) value["rounding"] = floats(voxels->rounding);
+            if (voxels->outlines) value["outlines"] = changes(outlines_record(), &*voxels->outlines);
+            if (voxels->waves) {
+                value["waves"] = changes(waves_record(), &*voxels->waves);
+                value["waves"]["palette"] = voxels->waves->palette;
+            }
         } else if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             const Grid& grid = scene_.grids[std::size_t(volume->grid)];
             value["size"] = triple(grid.size);
@@ -209,6 +224,12 @@ class Writer {
         } else if (const auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) {
             value["expression"] = sdf_text(sdf->root);
             if (sdf->bounds) value["bounds"] = vectors(std::vector<vec3>{sdf->bounds->first, sdf->bounds->second});
+        } else if (const auto* procedural = std::get_if<SdfVoxelGeometry>(&geometry.data)) {
+            const SdfGeometry& solid = procedural->sdf;
+            value["expression"] = sdf_text(solid.root);
+            if (solid.bounds) value["bounds"] = vectors(std::vector<vec3>{solid.bounds->first, solid.bounds->second});
+            if (!procedural->strata.empty()) value["strata"] = floats(procedural->strata);
+            if (procedural->outlines) value["outlines"] = changes(outlines_record(), &*procedural->outlines);
         }
         return value;
     }

@@ -11,6 +11,10 @@ struct ChoiceNames<Wrap> {
     static constexpr std::string_view names[] = {"repeat", "clamp", "mirror"};
 };
 template <>
+struct ChoiceNames<VoxelOutlines::Where> {
+    static constexpr std::string_view names[] = {"voxels", "changes", "shape"};
+};
+template <>
 struct ChoiceNames<Erosion::Kind> {
     static constexpr std::string_view names[] = {"none", "value", "fbm"};
 };
@@ -192,6 +196,27 @@ const Family& texture_family() {
                                        field("scale", &CheckerTexture::scale, "Squares per unit of uv."),
                                        field("offset", &CheckerTexture::offset, "Added to uv after `scale`."),
                                    }),
+            record<FaceTexture>(
+                "faces",
+                "A picture of its own on each face of voxels and boxes, out of one atlas: upright on the sides; on the "
+                "top its right is +x and its top −z, as on a map with north towards −z. A part of the atlas is a "
+                "tile's "
+                "number in `grid`, row by row from 0 at the top left, or [x, y, width, height] in pixels from the top "
+                "left. A face takes the most particular key that is there: its own, `sides`, `all`.",
+                {
+                    required(by_hand("file", "path", "The atlas, a picture, relative to the scene file.")),
+                    by_hand("grid", "tile_grid", "Columns and rows of tiles of the same size; [1, 1] without."),
+                    by_hand("all", "tile", "Part of the atlas for all faces."),
+                    by_hand("sides", "tile", "For the four faces that stand upright."),
+                    by_hand("top", "tile", "For the face towards +y."),
+                    by_hand("bottom", "tile", "For the face towards −y."),
+                    by_hand("east", "tile", "For the face towards +x."),
+                    by_hand("west", "tile", "For the face towards −x."),
+                    by_hand("south", "tile", "For the face towards +z."),
+                    by_hand("north", "tile", "For the face towards −z."),
+                    field("srgb", &FaceTexture::srgb, "Whether 8-bit colours are sRGB-encoded."),
+                    field("filter", &FaceTexture::filter, "Look-up between pixels; never beyond the edge of a part."),
+                }),
         },
         ""};
     return table;
@@ -223,6 +248,42 @@ const Record& erosion_record() {
             field("frequency", &Erosion::frequency, "Noise cells per edge of the grid's box.", positive),
             field("octaves", &Erosion::octaves, "Octaves of the fractal sum.", {1, 16}),
             field("drift", &Erosion::drift, "Added to the noise coordinate."),
+        });
+    return table;
+}
+
+const Record& outlines_record() {
+    static const Record table = record<VoxelOutlines>(
+        "", "Lines along the edges of voxels, drawn in a colour of their own on the surface's material.",
+        {
+            field("where", &VoxelOutlines::where,
+                  "Around every voxel; where the visible shape or the palette index changes; where the shape does."),
+            field("width", &VoxelOutlines::width, "Width of a line, half of it on either face of an edge.",
+                  {0, 1, true}, "cells"),
+            color("color", &VoxelOutlines::color, "Colour in place of the material's.", unit_interval),
+            field("strength", &VoxelOutlines::strength, "How much of the material's colour is replaced.",
+                  unit_interval),
+        });
+    return table;
+}
+
+const Record& waves_record() {
+    static const Record table = record<VoxelWaves>(
+        "",
+        "A sum of directional waves on voxels of a dielectric where air lies above them: the true surface of the "
+        "solid, "
+        "within its cell. Waves follow deep water, each as high as it is long, its crests round.",
+        {
+            required(by_hand("palette", "palette_list", "Palette indices of the voxels that are water.")),
+            field("height", &VoxelWaves::height, "From trough to crest where all waves meet.", {0, 1, true}, "cells"),
+            field("length", &VoxelWaves::length, "Length of the longest wave; each next is 0.77 times as long.",
+                  {0.1, 1e6}, "cells"),
+            field("count", &VoxelWaves::count, "Number of waves.", {1, 32}),
+            field("direction", &VoxelWaves::direction, "Where they run to, from +x towards +z.", any, "degrees"),
+            field("spread", &VoxelWaves::spread, "How far single waves turn from it.", {0, 180}, "degrees"),
+            field("time", &VoxelWaves::time, "Moves the waves on.", {-1e6, 1e6}, "s"),
+            field("gravity", &VoxelWaves::gravity, "Makes long waves fast.", {0, 1e6}, "cells/s²"),
+            field("seed", &VoxelWaves::seed, "Of the waves' phases.", {0, 1 << 24}),
         });
     return table;
 }
@@ -268,6 +329,11 @@ const Family& geometry_family() {
                             "a list of rows from z = 0 on, a character for each cell along x: `.` "
                             "or a space is empty, "
                             "1…9 then a…z are palette indices 1…35."),
+                    by_hand("rounding", "rounding",
+                            "Radius in cells, 0 … 0.5, of edges where air lies across both faces: one "
+                            "number, or one for each palette index from 1 on; for opaque materials."),
+                    by_hand("outlines", "outlines", "Lines along the edges of voxels."),
+                    by_hand("waves", "waves", "Waves on top of voxels of water."),
                 }),
             record_by_hand("volume", "The box of a density grid: no surface of its own, holds an interior medium.",
                            {
@@ -302,6 +368,20 @@ const Family& geometry_family() {
                 "rectangle", "In y = 0 about the origin, its normal +y.",
                 {
                     field("size", &RectangleGeometry::size, "Full edges along x and z.", positive, "scene units"),
+                }),
+            record<SdfVoxelGeometry>(
+                "sdf_voxels",
+                "Cubes that are not stored: cell (i, j, k) fills [i, i+1)×[j, j+1)×[k, k+1) times `cell` and is solid "
+                "where "
+                "the expression is not positive in its middle. Worlds of any size cost nothing but their expression.",
+                {
+                    required(by_hand("expression", "sdf", "As that of an `sdf`.")),
+                    by_hand("bounds", "bounds", "As those of an `sdf`: cells whose middle lies within may be solid."),
+                    field("cell", &SdfVoxelGeometry::cell, "Edge of a cell.", positive, "scene units"),
+                    by_hand("strata", "heights",
+                            "Rising heights: cells whose middle lies below the first use material slot 0, below the "
+                            "second slot 1, and so on."),
+                    by_hand("outlines", "outlines", "Lines along the edges of voxels."),
                 }),
         },
         ""};

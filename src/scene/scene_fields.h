@@ -77,6 +77,8 @@ const Record& integrator_record();
 const Record& expected_record();
 const Record& medium_record();
 const Record& erosion_record();
+const Record& outlines_record();
+const Record& waves_record();
 const Record& object_record();
 const Record& scene_record();
 const Family& camera_family();       // in the order of Camera::Kind

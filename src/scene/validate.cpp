@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/voxels/voxel_builder.h"
 #include "image/pixels.h"
+#include "kernels/materials.h"
 #include "scene/material_registry.h"
 #include "scene/scene_fields.h"
 
@@ -60,9 +62,34 @@ Fault mesh_fault(const MeshGeometry& mesh) {
     return {};
 }
 
+Fault outlines_fault(const VoxelOutlines& outlines) {
+    if (!(outlines.width > 0 && outlines.width < 1)) return "has outlines whose width is not between 0 and 1 cell";
+    if (!(outlines.strength >= 0 && outlines.strength <= 1) || !at_least_zero(outlines.color))
+        return "has outlines with a strength outside of 0 … 1 or a colour that is negative or not finite";
+    return {};
+}
+
+Fault waves_fault(const VoxelWaves& waves) {
+    if (waves.palette.empty()) return "has waves but names no palette index of water";
+    for (const int palette : waves.palette)
+        if (palette < 1 || palette > 65535) return "has waves on a palette index outside of 1 … 65535";
+    if (!(waves.height > 0 && waves.height < 1)) return "has waves whose height is not between 0 and 1 cell";
+    if (!(waves.length >= 0.1f && waves.length <= 1e6f) || waves.count < 1 || waves.count > 32)
+        return "has waves with a length below 0.1 cells or a count outside of 1 … 32";
+    if (!finite(waves.direction) || !finite(waves.spread) || !(std::abs(waves.time) <= 1e6f) ||
+        !(waves.gravity >= 0 && waves.gravity <= 1e6f))
+        return "has waves with a direction, spread, time or gravity out of range";
+    return {};
+}
+
 Fault voxels_fault(const VoxelGeometry& voxels) {
     if (!voxels.tree) return "has no voxels";
     if (!at_least_zero(voxels.level_of_detail)) return "has a level of detail that is negative or not finite";
+    for (const float radius : voxels.rounding)
+        if (!(radius >= 0 && radius <= 0.5f)) return "has a rounding outside of 0 … 0.5 cells";
+    if (voxels.outlines)
+        if (auto f = outlines_fault(*voxels.outlines)) return f;
+    if (voxels.waves) return waves_fault(*voxels.waves);
     return {};
 }
 
@@ -73,6 +100,17 @@ Fault sdf_fault(const SdfGeometry& sdf) {
         if (!finite(lower) || !finite(upper) || !(lower.x < upper.x && lower.y < upper.y && lower.z < upper.z))
             return "has bounds whose lower corner is not below the upper one";
     }
+    return {};
+}
+
+Fault sdf_voxels_fault(const SdfVoxelGeometry& voxels) {
+    if (auto f = sdf_fault(voxels.sdf)) return f;
+    if (!above_zero(voxels.cell)) return "has a cell that is not above 0";
+    for (std::size_t i = 0; i < voxels.strata.size(); ++i)
+        if (!finite(voxels.strata[i]) || (i > 0 && !(voxels.strata[i] > voxels.strata[i - 1])))
+            return "has strata that do not rise";
+    if (voxels.strata.size() > 256) return "has more than 256 strata";
+    if (voxels.outlines) return outlines_fault(*voxels.outlines);
     return {};
 }
 
@@ -102,6 +140,45 @@ Fault material_fault(const kernels::Material& m, const Scene& scene) {
     return {};
 }
 
+// Whether a ray that meets the slot of an object always stops there.
+bool is_opaque(const Scene& scene, int material) {
+    if (material < 0) return false;
+    const kernels::Material& m = scene.materials[std::size_t(material)].values;
+    return m.kind != kernels::MATERIAL_DIELECTRIC && m.opacity >= 1 && m.opacity_texture == kernels::NONE;
+}
+
+// Shapes of voxels that a material does not allow, and textures that want faces where there are none.
+Fault look_fault(const Object& object, const Scene& scene, std::uint32_t slots) {
+    const Geometry& geometry = scene.geometries[std::size_t(object.geometry)];
+    const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data);
+    const bool cubes = voxels || std::holds_alternative<SdfVoxelGeometry>(geometry.data) ||
+                       std::holds_alternative<BoxGeometry>(geometry.data);
+    for (std::uint32_t slot = 0; slot < slots; ++slot) {
+        const int material = object.materials.size() == 1 ? object.materials[0] : object.materials[slot];
+        const std::string called = material < 0 ? "nothing" : "\"" + scene.materials[std::size_t(material)].name + "\"";
+        if (!cubes && material >= 0) {
+            const kernels::Material& m = scene.materials[std::size_t(material)].values;
+            for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture,
+                                                m.emission_texture, m.normal_texture, m.opacity_texture})
+                if (texture != kernels::NONE && std::holds_alternative<FaceTexture>(scene.textures[texture].data))
+                    return "is a " + std::string(kind_name(geometry)) + " of material " + called +
+                           ", whose texture of type \"faces\" is for voxels and boxes only";
+        }
+        if (!voxels) continue;
+        const std::string where = ", but its palette index " + std::to_string(slot + 1) + " is " + called;
+        if (rounding_of(*voxels, slot + 1) > 0 && !is_opaque(scene, material))
+            return "rounds the edges of voxels, which only what is opaque allows" + where;
+        if (!voxels->waves) continue;
+        for (const int palette : voxels->waves->palette) {
+            if (palette != int(slot + 1)) continue;
+            if (rounding_of(*voxels, slot + 1) > 0) return "has both rounding and waves" + where;
+            if (material < 0 || scene.materials[std::size_t(material)].values.kind != kernels::MATERIAL_DIELECTRIC)
+                return "has waves, which only a dielectric may have" + where;
+        }
+    }
+    return {};
+}
+
 Fault object_fault(const Object& object, const Scene& scene, const std::vector<std::uint32_t>& slot_counts) {
     if (object.geometry < 0 || std::size_t(object.geometry) >= scene.geometries.size())
         return "refers to a geometry that is not there";
@@ -127,7 +204,7 @@ Fault object_fault(const Object& object, const Scene& scene, const std::vector<s
     if (object.materials.size() > 1 && object.materials.size() < slots)
         return "has " + std::to_string(object.materials.size()) + " materials, but its geometry uses " +
                std::to_string(slots) + " slots";
-    return {};
+    return look_fault(object, scene, slots);
 }
 
 std::string called(const char* noun, const std::string& name, std::size_t index) {
@@ -143,6 +220,8 @@ std::uint32_t slot_count(const Geometry& geometry) {
         return mesh->slots.empty() ? 1 : *std::max_element(mesh->slots.begin(), mesh->slots.end()) + 1;
     if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data))
         return voxels->tree ? voxels->tree->palette_maximum() : 0;
+    if (const auto* voxels = std::get_if<SdfVoxelGeometry>(&geometry.data))
+        return std::uint32_t(voxels->strata.size() + 1);
     return std::holds_alternative<VolumeGeometry>(geometry.data) ? 0 : 1;
 }
 
@@ -235,6 +314,7 @@ Fault fault(const Geometry& geometry) {
                           [](const VoxelGeometry& voxels) { return voxels_fault(voxels); },
                           [](const VolumeGeometry&) -> Fault { return {}; },
                           [](const SdfGeometry& sdf) { return sdf_fault(sdf); },
+                          [](const SdfVoxelGeometry& voxels) { return sdf_voxels_fault(voxels); },
                           [](const SphereGeometry& sphere) -> Fault {
                               if (!above_zero(sphere.radius)) return "has a radius that is not above 0";
                               return {};
@@ -292,6 +372,14 @@ Fault fault(const Texture& texture) {
                                   return "has a colour that is negative or not finite";
                               if (!finite(checker.scale) || !finite(checker.offset))
                                   return "has a scale or offset that is not finite";
+                              return {};
+                          },
+                          [](const FaceTexture& faces) -> Fault {
+                              if (auto f = pixels_fault(faces.pixels)) return f;
+                              for (const glm::ivec4& r : faces.faces)
+                                  if (r.x < 0 || r.y < 0 || r.z < 1 || r.w < 1 || r.z > faces.pixels->width - r.x ||
+                                      r.w > faces.pixels->height - r.y)
+                                      return "has a part that is empty or sticks out of the atlas";
                               return {};
                           },
                       },

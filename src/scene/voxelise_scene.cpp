@@ -12,6 +12,7 @@
 #include "geometry/voxels/field_voxels.h"
 #include "geometry/voxels/voxelise.h"
 #include "image/palette.h"
+#include "kernels/sdf.h"
 #include "scene/convert.h"
 #include "scene/host_texture.h"
 #include "scene/material_registry.h"
@@ -218,6 +219,13 @@ class Voxeliser {
             bounds.add_box(mat4x3(to_world), dvec3(0), dvec3(grid.size));
             return {};
         }
+        if (const auto* voxels = std::get_if<SdfVoxelGeometry>(&geometry.data)) {
+            const Result<SdfData> data = build_sdf(voxels->sdf);
+            if (!data) return refused(object, data.error().message);
+            bounds.add_box(m, dvec3(data->sdf.lower) - double(voxels->cell),
+                           dvec3(data->sdf.upper) + double(voxels->cell));
+            return {};
+        }
         bounds.add_box(m, dvec3(0), dvec3(std::get<VoxelGeometry>(geometry.data).tree->size()));
         return {};
     }
@@ -240,6 +248,8 @@ class Voxeliser {
                 return volume_voxels(scene_.grids[std::size_t(volume->grid)], frame_, to_object, options_.threshold,
                                      palette[look]);
             };
+        } else if (const auto* procedural = std::get_if<SdfVoxelGeometry>(&geometry.data)) {
+            if (Result<void> added = add_sdf_voxels(object, *procedural, layer); !added) return added;
         } else {
             const VoxelTreePointer tree = std::get<VoxelGeometry>(geometry.data).tree;
             std::vector<std::uint32_t> looks;
@@ -254,6 +264,31 @@ class Voxeliser {
             };
         }
         layers_.push_back(std::move(layer));
+        return {};
+    }
+
+    // What cell of the geometry a centre lies in, and whether that is solid.
+    Result<void> add_sdf_voxels(const Object& object, const SdfVoxelGeometry& voxels, Layer& layer) {
+        Result<SdfData> built = build_sdf(voxels.sdf);
+        if (!built) return refused(object, built.error().message);
+        const auto data = std::make_shared<const SdfData>(std::move(*built));
+        std::vector<std::uint32_t> looks;
+        for (std::size_t slot = 0; slot <= voxels.strata.size(); ++slot) looks.push_back(look_of(object, slot));
+        layer.field = [this, data, &voxels, looks, to_object = inverse(object.transform)](const auto& palette) {
+            kernels::SceneView view = {};
+            view.sdf_ops.at = data->ops.data();
+            view.sdfs.at = &data->sdf;
+            const auto at = [=, this, &voxels](ivec3 cell) -> std::uint16_t {
+                const double edge = double(voxels.cell);
+                const vec3 p((glm::floor(transformed(to_object, frame_.centre(cell)) / edge) + 0.5) * edge);
+                if (glm::any(glm::lessThan(p, data->sdf.lower)) || glm::any(glm::greaterThan(p, data->sdf.upper)) ||
+                    kernels::sdf_distance(view, 0, p) > 0)
+                    return 0;
+                const auto stratum = std::upper_bound(voxels.strata.begin(), voxels.strata.end(), p.y);
+                return palette[looks[std::size_t(stratum - voxels.strata.begin())]];
+            };
+            return VoxelFunction{at, {}};
+        };
         return {};
     }
 

@@ -29,7 +29,7 @@ TEST(JsonGeometry, analytic_shapes) {
     EXPECT_EQ(message("{\"type\": \"spheer\"}"),
               "a.json:2:15: unknown geometry type \"spheer\" in geometry \"g\"; available: mesh, voxels, "
               "volume, sdf, sphere, "
-              "box, plane, rectangle");
+              "box, plane, rectangle, sdf_voxels");
     EXPECT_EQ(message("{\"type\": \"plane\", \"radius\": 0}"),
               "a.json:2:24: unknown key \"radius\" in geometry \"g\" of type \"plane\"; allowed: type");
 }

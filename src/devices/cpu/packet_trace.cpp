@@ -62,7 +62,9 @@ struct SlabPacket {
 void instance_closest8(const SceneView& scene, uint instance, const Ray rays[packet_size], unsigned lanes,
                        Hit hits[packet_size]) {
     const kernels::Instance& placed = scene.instances.at[instance];
-    if (placed.geometry_kind != kernels::GEOMETRY_VOXELS || std::has_single_bit(lanes)) {
+    const bool together = placed.geometry_kind == kernels::GEOMETRY_VOXELS &&
+                          scene.voxel_grids.at[placed.geometry].walk == kernels::VOXEL_WALK_TREE;
+    if (!together || std::has_single_bit(lanes)) {
         for (unsigned rest = lanes; rest; rest &= rest - 1) {
             const int i = std::countr_zero(rest);
             kernels::instance_closest(scene, instance, rays[i], hits[i]);
