@@ -31,17 +31,20 @@ glm::tvec4<T> rgba_of(const T* pixel, int channels, T opaque) {
     }
 }
 
-kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& words) {
+Result<kernels::Texture> image_record(const ImageTexture& image, std::vector<uint>& words) {
     const PixelBuffer& pixels = *image.pixels;
+    const std::size_t count = std::size_t(pixels.width) * std::size_t(pixels.height);
+    const std::size_t words_a_texel = std::holds_alternative<std::vector<float>>(pixels.data) ? 2 : 1;
+    const Result<uint> first = pool_place(words.size(), words_a_texel * count, WORDS);
+    if (!first) return first.error();
     kernels::Texture t = {};
     t.width = uint(pixels.width);
     t.height = uint(pixels.height);
-    t.word_first = uint(words.size());
+    t.word_first = *first;
     t.filter_kind = image.filter == Filter::nearest ? kernels::FILTER_NEAREST : kernels::FILTER_TRILINEAR;
     t.wrap = kernel_wrap(image.wrap);
     t.scale = image.scale;
     t.offset = image.offset;
-    const std::size_t count = std::size_t(pixels.width) * std::size_t(pixels.height);
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&pixels.data)) {
         t.kind = kernels::TEXTURE_RGBA8;
         t.srgb = image.srgb ? 1 : 0;
@@ -79,12 +82,17 @@ kernels::Texture checker_record(const CheckerTexture& checker) {
 
 }  // namespace
 
-void add_textures(Compilation& c) {
+Result<void> add_textures(Compilation& c) {
     for (const Texture& texture : c.scene.textures) {
-        if (const auto* image = std::get_if<ImageTexture>(&texture.data))
-            c.out.textures.push_back(image_record(*image, c.out.words));
-        else c.out.textures.push_back(checker_record(std::get<CheckerTexture>(texture.data)));
+        if (const auto* image = std::get_if<ImageTexture>(&texture.data)) {
+            const Result<kernels::Texture> record = image_record(*image, c.out.words);
+            if (!record) return record.error();
+            c.out.textures.push_back(*record);
+        } else {
+            c.out.textures.push_back(checker_record(std::get<CheckerTexture>(texture.data)));
+        }
     }
+    return {};
 }
 
 vec3 mean_color(const CompiledScene& out, kernels::uint texture) {
