@@ -18,11 +18,14 @@ namespace spinel {
 
 // What a file is asked for besides being read. An option that its format does not know is an error.
 struct LoadOptions {
-    std::optional<int> frame;  // of an animation, from 0; none: the first
-    std::optional<float>
-        heightmap;        // pictures and heights are terrain of so many voxels from the lowest to the highest
-    bool voxels = false;  // active voxels of a volume are solid ones
+    std::optional<int> frame;        // of an animation, from 0; none: the first
+    std::optional<float> heightmap;  // pictures and heights are terrain: its highest column has so many voxels,
+                                     // the lowest one
+    bool voxels = false;             // active voxels of a volume are solid ones
 };
+
+// What a file could not say of a scene that was saved, a sentence each.
+using Notes = std::vector<std::string>;
 
 // What a format can hold of what a scene may be made of.
 enum class Representation { any, meshes, voxels };
@@ -32,7 +35,7 @@ struct Format {
     std::vector<std::string_view> extensions;  // lower case, with the dot
     std::string_view description;              // one line for `spinel list formats`
     Result<Scene> (*load)(const std::filesystem::path& path, const LoadOptions& options);
-    Result<void> (*save)(const Scene& scene, const std::filesystem::path& path);  // null: cannot be written
+    Result<Notes> (*save)(const Scene& scene, const std::filesystem::path& path);  // null: cannot be written
     Representation saves = Representation::any;
     bool animated = false;  // knows LoadOptions::frame
     bool heights = false;   // knows LoadOptions::heightmap
@@ -51,6 +54,6 @@ const Format* format_of(const std::filesystem::path& path);
 Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size = {0, 0}, const LoadOptions& options = {});
 
 Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& options = {});
-Result<void> save_model(const Scene& scene, const std::filesystem::path& path);
+Result<Notes> save_model(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace spinel

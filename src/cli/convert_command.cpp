@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/load_options.h"
 #include "cli/output_format.h"
 #include "core/parallel.h"
 #include "scene/convert.h"
@@ -16,6 +17,7 @@ namespace {
 struct Options {
     std::string input;
     std::string output;
+    LoadOptions load;
     VoxeliseOptions voxelise;
     bool surface = false;
     int threads = 0;
@@ -53,14 +55,14 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     if (!format) return fail(format.error(), exit_usage);
     const ThreadLimit limit(o.threads);
     const auto start = std::chrono::steady_clock::now();
-    const bool is_scene = std::filesystem::path(o.input).extension() == ".json";
-    Result<Scene> scene = is_scene ? load_scene(o.input) : load_model(o.input);
+    Result<Scene> scene = load_bare(o.input, o.load);
     if (!scene) return scene.error();
     const Result<Scene> result = converted(std::move(*scene), (*format)->saves, o);
     if (!result) return Error{fmt::format("{}: {}", o.input, result.error().message)};
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (Result<void> saved = save_model(*result, o.output); !saved) return saved.error();
-    report_saved(*result, o.output, seconds, common);
+    const Result<Notes> saved = save_model(*result, o.output);
+    if (!saved) return saved.error();
+    report_saved(*result, *saved, o.output, seconds, common);
     return int(exit_ok);
 }
 
@@ -70,6 +72,7 @@ std::function<int()> convert_command(CLI::App& app, const CommonOptions& common)
     auto o = std::make_shared<Options>();
     app.add_option("INPUT", o->input, "scene file or model")->required();
     app.add_option("-o,--output", o->output, "what its extension says: voxels or meshes")->required();
+    add_load_options(app, o->load);
     app.add_option("--voxels", o->voxelise.resolution,
                    "cells along the longest edge (default: of a volume alone, as many as it has samples)")
         ->check(CLI::Range(1, VoxelTree::max_edge));

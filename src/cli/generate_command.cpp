@@ -48,8 +48,9 @@ int run(const Options& o, const CommonOptions& common) {
     const Result<Scene> scene = make_world(*world, *size, o.seed);
     if (!scene) return fail(scene.error(), exit_usage);  // a size or seed that the world does not have
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (Result<void> saved = save_model(*scene, o.output); !saved) return fail(saved.error());
-    report_saved(*scene, o.output, seconds, common);
+    const Result<Notes> saved = save_model(*scene, o.output);
+    if (!saved) return fail(saved.error());
+    report_saved(*scene, *saved, o.output, seconds, common);
     return exit_ok;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/load_options.h"
 #include "image/pixels.h"
 #include "scene/complete.h"
 #include "scene/json_reader.h"
@@ -137,8 +138,7 @@ void print(const std::string& file, const Json& json) {
 int run(const std::vector<std::string>& files, const LoadOptions& options, const CommonOptions& common) {
     int code = exit_ok;
     for (const std::string& file : files) {
-        const bool is_scene = std::filesystem::path(file).extension() == ".json";
-        const Result<Scene> scene = is_scene ? load_scene(file) : load_model(file, options);
+        const Result<Scene> scene = load_bare(file, options);
         if (!scene) {
             code = fail(scene.error());
             continue;
@@ -160,10 +160,7 @@ std::function<int()> info_command(CLI::App& app, const CommonOptions& common) {
     auto files = std::make_shared<std::vector<std::string>>();
     app.add_option("FILE", *files, "scene files or models")->required();
     auto options = std::make_shared<LoadOptions>();
-    app.add_option("--frame", options->frame, "of an animated model, from 0 (default: the first)")
-        ->check(CLI::Range(0, 1 << 20));
-    app.add_option("--heightmap", options->heightmap, "voxels of a picture or .hgt from the lowest to the highest")
-        ->check(CLI::Range(1.0, 65536.0));
+    add_load_options(app, *options);
     return [files, options, &common] { return run(*files, *options, common); };
 }
 

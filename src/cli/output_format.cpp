@@ -16,7 +16,8 @@ Result<const Format*> output_format(const std::string& path, bool voxels) {
     return Error{fmt::format("-o '{}': {} written as {}", path, voxels ? "voxels are" : "models are", list)};
 }
 
-void report_saved(const Scene& scene, const std::string& path, double seconds, const CommonOptions& common) {
+void report_saved(const Scene& scene, const Notes& left_out, const std::string& path, double seconds,
+                  const CommonOptions& common) {
     std::uint64_t voxels = 0, triangles = 0;
     VoxelTreeMemory memory;
     ivec3 size(0);
@@ -32,6 +33,8 @@ void report_saved(const Scene& scene, const std::string& path, double seconds, c
     }
     for (const std::string& note : scene.notes)
         if (!common.quiet) fmt::print(stderr, "{}: {}\n", path, note);
+    for (const std::string& note : left_out)
+        if (!common.quiet) fmt::print(stderr, "spinel: warning: {}: {}\n", path, note);
     if (common.json) {
         const nlohmann::ordered_json json = {{"output", path},
                                              {"size", {size.x, size.y, size.z}},
@@ -40,6 +43,7 @@ void report_saved(const Scene& scene, const std::string& path, double seconds, c
                                              {"materials", scene.materials.size()},
                                              {"tree_bytes", memory.node_bytes},
                                              {"palette_bytes", memory.palette_bytes},
+                                             {"left_out", left_out},
                                              {"seconds", seconds}};
         fmt::print("{}\n", json_text(json, -1));
     } else if (!common.quiet) {

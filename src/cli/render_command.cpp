@@ -13,6 +13,7 @@
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/load_options.h"
 #include "cli/progress.h"
 #include "core/parallel.h"
 #include "devices/devices.h"
@@ -381,12 +382,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
         ->capture_default_str();
     app.add_option("--crop", o->crop, "LEFT,TOP,RIGHT,BOTTOM in pixels: render and write this part only");
     app.add_option("--camera", o->camera, "one of the scene's cameras by name");
-    app.add_option("--frame", o->load.frame, "of an animated model, from 0 (default: the first)")
-        ->check(CLI::Range(0, 1 << 20));
-    app.add_option("--heightmap", o->load.heightmap,
-                   "picture or .hgt as terrain: so many voxels from black to white, or from the lowest to the highest")
-        ->check(finite_number())
-        ->check(CLI::Range(1.0, 65536.0));
+    add_load_options(app, o->load);
     app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');
     app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
     app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite_number());

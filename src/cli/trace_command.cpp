@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/load_options.h"
 #include "formats/npy.h"
 #include "scene/compiled_scene.h"
 #include "spinel/formats.h"
@@ -17,22 +18,20 @@ struct Options {
     std::string voxels;  // instead of `input`, read with LoadOptions::voxels
     std::string rays;
     std::string output;
+    LoadOptions load;
     TraceOptions trace;
 };
 
 Result<int> run(const Options& o, const CommonOptions& common) {
     if (const auto accelerator = find_accelerator(o.trace.accelerator); !accelerator)
         return fail(accelerator.error(), exit_usage);
-    // A bare model is traced as it is, without the ground that a picture of it would stand on.
-    const bool is_scene = std::filesystem::path(o.input).extension() == ".json";
-    LoadOptions as_voxels;
-    as_voxels.voxels = true;
-    const Result<Scene> scene = !o.voxels.empty() ? load_model(o.voxels, as_voxels)
-                                : is_scene        ? load_scene(o.input)
-                                                  : load_model(o.input);
+    LoadOptions load = o.load;
+    load.voxels = !o.voxels.empty();
+    const std::string& input = load.voxels ? o.voxels : o.input;
+    const Result<Scene> scene = load_bare(input, load);
     if (!scene) return scene.error();
     const Result<CompiledScene> compiled = compile(*scene);
-    if (!compiled) return Error{fmt::format("{}: {}", o.input, compiled.error().message)};
+    if (!compiled) return Error{fmt::format("{}: {}", input, compiled.error().message)};
     const Result<std::vector<TraceRay>> rays = read_rays_npy(o.rays);
     if (!rays) return rays.error();
     const auto start = std::chrono::steady_clock::now();
@@ -63,6 +62,7 @@ std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
     CLI::Option* file = app.add_option("FILE", o->input, "scene file or model");
     app.add_option("--voxels", o->voxels, "instead of FILE: a .vdb whose active voxels are solid, whatever it holds")
         ->excludes(file);
+    add_load_options(app, o->load);
     app.add_option("--rays", o->rays, "rays.npy: float32 [N,8] = origin, t_min, direction, t_max")->required();
     app.add_option("-o,--output", o->output, "hits.npy: structured array, one record a ray")->required();
     app.add_option("--accel", o->trace.accelerator, "`spinel list accelerators`")->capture_default_str();

@@ -84,7 +84,7 @@ class Region {
         if (!sections) return {};  // not generated yet
         const ivec3 origin = 16 * ivec3(chunk % 32, 0, chunk / 32);
         for (const nbt::Tag& section : sections->children) {
-            const auto y = std::int8_t(section.integer_of("Y", 0));
+            const std::int64_t y = section.integer_of("Y", 0);
             if (y < -MAX_SECTION || y >= MAX_SECTION) continue;
             if (Complaint complaint = read_section(section, origin + ivec3(0, 16 * int(y), 0)))
                 return "section " + std::to_string(int(y)) + ": " + *complaint;

@@ -1,11 +1,11 @@
 #include "formats/block_scene.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <set>
 
 #include "kernels/materials.h"
+#include "scene/material_registry.h"
 
 namespace spinel {
 namespace {
@@ -51,17 +51,15 @@ std::uint32_t BlockScene::state(const std::string& text) {
 std::uint32_t BlockScene::legacy_state(int id, int data) {
     if (id < 0 || id > 4095 || data < 0 || data > 15) return state("minecraft:air");
     if (legacy_.empty()) legacy_.assign(4096 * 16, NOT_MADE);
-    std::uint32_t& made = legacy_[std::size_t(id * 16 + data)];
+    std::uint32_t& made = legacy_[std::size_t(id) * 16 + std::size_t(data)];
     if (made != NOT_MADE) return made;
     const std::string name = legacy_block(id, data);
     return made = state(name.empty() ? "id:" + std::to_string(id) : name);
 }
 
 std::uint16_t BlockScene::slot_of(const kernels::Material& material, const std::string& name) {
-    // Scalar layout without padding: equal bytes are equal materials.
-    const auto same = std::find_if(materials_.begin(), materials_.end(), [&](const Material& other) {
-        return std::memcmp(&other.values, &material, sizeof material) == 0;
-    });
+    const auto same = std::find_if(materials_.begin(), materials_.end(),
+                                   [&](const Material& other) { return same_material(other.values, material); });
     if (same == materials_.end()) {
         materials_.push_back({name, material});
         return std::uint16_t(materials_.size());
@@ -71,12 +69,12 @@ std::uint16_t BlockScene::slot_of(const kernels::Material& material, const std::
 
 bool BlockScene::place(ivec3 cell, std::uint32_t number) {
     if (nothing_[number]) return true;
-    if (cubes_.size() >= MAX_VOXELS || odd_.size() >= MAX_ODD || blocks_.size() > MAX_STATES) return false;
+    if (odd_.size() >= MAX_ODD || blocks_.size() > MAX_STATES) return false;
     const Block& block = blocks_[number];
     seen_[number] = true;
     if (block.in_water) {
         if (!water_slot_) water_slot_ = slot_of(block_of("water").material, "water");
-        cubes_.push_back({cell, water_slot_});
+        if (!cubes_.set(cell, water_slot_)) return false;
     }
     const bool has_boxes = !block.boxes.empty() || block.joint != Block::Joint::none;
     if (!block.cube && !has_boxes) return true;
@@ -84,7 +82,7 @@ bool BlockScene::place(ivec3 cell, std::uint32_t number) {
         if (materials_.size() >= std::numeric_limits<std::uint16_t>::max() - 1) return false;
         slots_[number] = slot_of(block.material, block.name);
     }
-    if (block.cube && !block.in_water) cubes_.push_back({cell, slots_[number]});
+    if (block.cube && !block.in_water && !cubes_.set(cell, slots_[number])) return false;
     if (has_boxes) odd_.push_back({cell, number});
     return true;
 }
@@ -105,8 +103,9 @@ void BlockScene::add_boxes(MeshGeometry& mesh, ivec3 lower, ivec3 upper) {
     const std::uint64_t cells = std::uint64_t(size.x) * std::uint64_t(size.y) * std::uint64_t(size.z);
     if (joints && cells <= MAX_JOINT_CELLS) {
         holds.resize(std::size_t(cells));
-        for (const VoxelPoint& cube : cubes_)
-            if (!is_water(materials_[cube.palette - 1u])) holds[index(cube.cell)] = true;
+        cubes_.for_each([&](ivec3 cell, std::uint16_t slot) {
+            if (!is_water(materials_[slot - 1u])) holds[index(cell)] = true;
+        });
         for (const Odd& odd : odd_)
             if (blocks_[odd.state].joint != Block::Joint::none) holds[index(odd.cell)] = true;
     }
@@ -139,7 +138,10 @@ Result<Scene> BlockScene::build(const std::string& name) && {
         lower = glm::min(lower, cell);
         upper = glm::max(upper, cell);
     };
-    for (const VoxelPoint& cube : cubes_) include(cube.cell);
+    if (!cubes_.empty()) {
+        include(cubes_.bounds().first);
+        include(cubes_.bounds().second);
+    }
     for (const Odd& odd : odd_) include(odd.cell);
 
     Scene scene;
@@ -157,10 +159,10 @@ Result<Scene> BlockScene::build(const std::string& name) && {
     MeshGeometry mesh;
     add_boxes(mesh, lower, upper);
     if (!cubes_.empty()) {
-        for (VoxelPoint& cube : cubes_) cube.cell -= lower;
-        Result<Geometry> geometry = voxel_geometry(name, upper - lower + 1, std::move(cubes_));
-        if (!geometry) return geometry.error();
-        add_object(std::move(*geometry));
+        Result<VoxelTreePointer> tree = cubes_.tree(lower, upper - lower + 1);
+        if (!tree) return tree.error();
+        cubes_ = SparseCells();  // its memory is needed for the rest
+        add_object({name, VoxelGeometry{std::move(*tree)}});
     }
     if (!mesh.triangles.empty()) add_object({name + " shapes", std::move(mesh)});
     scene.materials = std::move(materials_);

@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 #include "formats/blocks.h"
-#include "formats/voxel_geometry.h"
+#include "geometry/voxels/sparse_cells.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -43,7 +43,7 @@ class BlockScene {
     std::uint16_t water_slot_ = 0;
     std::vector<std::uint32_t> legacy_;  // by id · 16 + data
     std::vector<Material> materials_;
-    std::vector<VoxelPoint> cubes_;
+    SparseCells cubes_;  // their material + 1
     std::vector<Odd> odd_;
     std::vector<bool> seen_;  // states that have been placed
 };

@@ -338,9 +338,7 @@ void shape_block(std::string_view name, const Properties& properties, Block& blo
         const vec3 middle = 0.5f * (wall.lower + wall.upper);
         boxes = {{vec3(middle.x, 0, middle.z) + vec3(-1, 3, -1) / 16.0f,
                   vec3(middle.x, 0, middle.z) + vec3(1, 13, 1) / 16.0f}};
-    } else if (ends("_lantern") && name != "sea_lantern" && name != "jack_o_lantern") {
-        boxes = {sixteenths(5, 1, 5, 11, 9, 11)};
-    } else if (name == "lantern") {
+    } else if (name == "lantern" || (ends("_lantern") && name != "sea_lantern" && name != "jack_o_lantern")) {
         boxes = {sixteenths(5, 1, 5, 11, 9, 11)};
     } else if (ends("_candle")) {
         boxes = {sixteenths(7, 0, 7, 9, 6, 9)};

@@ -132,7 +132,8 @@ class Qubicle {
         const auto low = std::uint8_t(color), middle = std::uint8_t(color >> 8), high = std::uint8_t(color >> 16);
         const std::uint16_t index = bgra_ ? scene_.color(high, middle, low) : scene_.color(low, middle, high);
         if (!index) return "it has more colours than a palette";
-        if ((scene_.count += count) > MAX_VOXELS) return "it has more voxels than allowed";
+        scene_.count += count;
+        if (scene_.count > MAX_VOXELS) return "it has more voxels than allowed";
         for (std::uint32_t i = at; i < at + count; ++i)
             points.push_back({{int(i % std::uint32_t(size.x)), int(i / std::uint32_t(size.x)), z}, index});
         return {};

@@ -128,7 +128,7 @@ Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& o
                                  "'; readable: " + extension_list([](const Format&) { return true; }));
 }
 
-Result<void> save_model(const Scene& scene, const std::filesystem::path& path) {
+Result<Notes> save_model(const Scene& scene, const std::filesystem::path& path) {
     const Format* format = format_of(path);
     if (format && format->save) return format->save(scene, path);
     return Error{"cannot write '" + path.string() + "': unknown extension '" + extension_of(path) +

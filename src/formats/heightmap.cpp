@@ -103,7 +103,8 @@ Result<Scene> load_hgt(const std::filesystem::path& path, const LoadOptions& opt
         bytes = inflated(*bytes, MAX_FILE);
         if (!bytes) return cannot_read(path, bytes.error().message);
     }
-    const auto edge = std::size_t(std::lround(std::sqrt(double(bytes->size() / 2))));
+    const std::size_t count = bytes->size() / 2;
+    const auto edge = std::size_t(std::lround(std::sqrt(double(count))));
     if (edge < 2 || edge * edge * 2 != bytes->size())
         return cannot_read(path, "its " + std::to_string(bytes->size()) + " bytes are not a square of 16-bit heights");
     Heights heights{int(edge), int(edge), {}};
@@ -126,7 +127,8 @@ Result<Scene> load_hgt(const std::filesystem::path& path, const LoadOptions& opt
     const std::optional<float> latitude = latitude_of(name);
     const float south = METRES_PER_DEGREE / float(edge - 1);
     const float east = south * std::cos(glm::radians(std::clamp(latitude.value_or(0.0f) + 0.5f, -89.0f, 89.0f)));
-    const float up = options.heightmap ? relief / *options.heightmap : south / 8;  // metres a voxel
+    // Metres a voxel. The lowest column is a voxel high, so that the highest rises by one less.
+    const float up = options.heightmap ? relief / std::max(*options.heightmap - 1.0f, 1e-3f) : south / 8;
     // Asked for so many voxels the terrain is drawn steeper than it is: of cubes.
     const float height = options.heightmap ? south : up;
     const mat4x3 transform(vec3(east, 0, 0), vec3(0, height, 0), vec3(0, 0, south),
@@ -163,7 +165,7 @@ Result<Scene> load_heightmap(const std::filesystem::path& path, const LoadOption
                                              " voxels allowed");
             heights.values.push_back(value);
         }
-    Result<Scene> scene = terrain(path.stem().string(), heights, *options.heightmap, 1.0f, mat4x3(1));
+    Result<Scene> scene = terrain(path.stem().string(), heights, *options.heightmap - 1.0f, 1.0f, mat4x3(1));
     if (!scene) return cannot_read(path, scene.error().message);
     return scene;
 }

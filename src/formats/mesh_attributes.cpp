@@ -84,6 +84,8 @@ void weld_vertices(MeshGeometry& mesh) {
         return h;
     };
     const auto same = [](const auto& values, std::size_t a, std::size_t b) {
+        // Vectors of floats have no padding; bit for bit, as they were hashed: −0 is not 0 here, and NaN is NaN.
+        // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
         return values.empty() || std::memcmp(&values[a], &values[b], sizeof values[a]) == 0;
     };
     const auto equal = [&](std::size_t a, std::size_t b) {

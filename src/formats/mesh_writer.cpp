@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/atomic_file.h"
+#include "formats/left_out.h"
 #include "image/palette.h"
 #include "kernels/materials.h"
 
@@ -85,6 +86,13 @@ std::string mtl_text(const Scene& scene, const std::vector<std::string>& names) 
     return text;
 }
 
+Notes left_out(const Scene& scene) {
+    LeftOut left_out;
+    if (!scene.textures.empty()) left_out.add("textures");
+    left_out.add_light_and_cameras(scene);
+    return left_out.notes();
+}
+
 template <class T>
 void put(std::string& bytes, const T& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -92,8 +100,8 @@ void put(std::string& bytes, const T& value) {
 
 }  // namespace
 
-Result<void> save_obj(const Scene& scene, const std::filesystem::path& path) {
-    if (Result<void> fit = check(scene, path); !fit) return fit;
+Result<Notes> save_obj(const Scene& scene, const std::filesystem::path& path) {
+    if (Result<void> fit = check(scene, path); !fit) return fit.error();
     const std::vector<std::string> names = mtl_names(scene);
     std::filesystem::path library = path;
     library.replace_extension(".mtl");
@@ -136,12 +144,14 @@ Result<void> save_obj(const Scene& scene, const std::filesystem::path& path) {
         normals += mesh.normals.size();
     }
     if (!names.empty())
-        if (Result<void> written = write_file_atomically(library, mtl_text(scene, names)); !written) return written;
-    return write_file_atomically(path, text);
+        if (Result<void> written = write_file_atomically(library, mtl_text(scene, names)); !written)
+            return written.error();
+    if (Result<void> written = write_file_atomically(path, text); !written) return written.error();
+    return left_out(scene);
 }
 
-Result<void> save_ply(const Scene& scene, const std::filesystem::path& path) {
-    if (Result<void> fit = check(scene, path); !fit) return fit;
+Result<Notes> save_ply(const Scene& scene, const std::filesystem::path& path) {
+    if (Result<void> fit = check(scene, path); !fit) return fit.error();
     std::string vertices, faces;
     std::uint32_t vertex_count = 0, face_count = 0;
     const auto meshes_have = [&](const auto member) {
@@ -183,7 +193,8 @@ Result<void> save_ply(const Scene& scene, const std::filesystem::path& path) {
     if (has_uvs) bytes += "property float s\nproperty float t\n";
     bytes += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     bytes += fmt::format("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", face_count);
-    return write_file_atomically(path, bytes + vertices + faces);
+    if (Result<void> written = write_file_atomically(path, bytes + vertices + faces); !written) return written.error();
+    return left_out(scene);
 }
 
 }  // namespace spinel

@@ -9,11 +9,11 @@
 #include <filesystem>
 
 #include "core/result.h"
-#include "spinel/scene.h"
+#include "spinel/formats.h"
 
 namespace spinel {
 
-Result<void> save_obj(const Scene& scene, const std::filesystem::path& path);
-Result<void> save_ply(const Scene& scene, const std::filesystem::path& path);
+Result<Notes> save_obj(const Scene& scene, const std::filesystem::path& path);
+Result<Notes> save_ply(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace spinel

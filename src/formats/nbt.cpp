@@ -82,7 +82,7 @@ class Parser {
         tag.children.reserve(std::min<std::size_t>(*count, 64));  // lists of lists may announce far more than there is
         for (std::size_t i = 0; i < *count; ++i) {
             tag.children.emplace_back().type = Type(type);
-            if (const Complaint complaint = read_payload(tag.children.back(), depth)) return complaint;
+            if (Complaint complaint = read_payload(tag.children.back(), depth)) return complaint;
         }
         return {};
     }
@@ -97,7 +97,7 @@ class Parser {
             Tag& child = tag.children.emplace_back();
             child.type = Type(type);
             child.name = read_string();
-            if (const Complaint complaint = read_payload(child, depth)) return complaint;
+            if (Complaint complaint = read_payload(child, depth)) return complaint;
         }
     }
 
@@ -143,12 +143,10 @@ std::int64_t Tag::element(std::size_t i) const {
 }
 
 Result<Document> parse(std::string bytes) {
-    Document document;
-    document.bytes = std::make_shared<const std::string>(std::move(bytes));
-    Result<Tag> root = Parser(*document.bytes).parse();
+    auto kept = std::make_shared<const std::string>(std::move(bytes));
+    Result<Tag> root = Parser(*kept).parse();
     if (!root) return root.error();
-    document.root = std::move(*root);
-    return document;
+    return Document{std::move(kept), std::move(*root)};
 }
 
 Result<Document> parse_packed(std::string bytes) {

@@ -12,6 +12,7 @@
 #include "core/atomic_file.h"
 #include "formats/byte_reader.h"
 #include "formats/file_bytes.h"
+#include "formats/left_out.h"
 
 namespace spinel {
 namespace {
@@ -173,7 +174,8 @@ Result<Scene> load_bits(const std::filesystem::path& path, const LoadOptions&) {
         for (int x = 0; x < edge; ++x) {
             const std::uint32_t column = reader.u32();
             for (int y = 0; y < edge; ++y)
-                grid.values[std::size_t(x + edge * (y + edge * z))] = (column >> y) & 1u ? 1.0f : 0.0f;
+                grid.values[std::size_t(x) + edge * (std::size_t(y) + edge * std::size_t(z))] =
+                    (column >> y) & 1u ? 1.0f : 0.0f;
         }
     }
     return volume_scene(stem(path), std::move(grid));
@@ -215,7 +217,7 @@ Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions&) {
     return volume_scene(stem(path), std::move(grid));
 }
 
-Result<void> save_svol(const Scene& scene, const std::filesystem::path& path) {
+Result<Notes> save_svol(const Scene& scene, const std::filesystem::path& path) {
     const auto cannot_write = [&](const std::string& why) {
         return Error{"cannot write '" + path.string() + "': " + why};
     };
@@ -234,7 +236,10 @@ Result<void> save_svol(const Scene& scene, const std::filesystem::path& path) {
            << (grid.filter == Filter::linear ? "linear" : "nearest") << "\n\n";
     std::string bytes = header.str();
     bytes.append(reinterpret_cast<const char*>(grid.values.data()), grid.values.size() * sizeof(float));
-    return write_file_atomically(path, bytes);
+    if (Result<void> written = write_file_atomically(path, bytes); !written) return written.error();
+    LeftOut left_out;
+    left_out.add_light_and_cameras(scene);
+    return left_out.notes();
 }
 
 }  // namespace spinel

@@ -29,6 +29,6 @@ Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions& op
 
 // Writes the scene's only grid as f32. A grid that is turned, mirrored or sheared in its object's space is
 // refused.
-Result<void> save_svol(const Scene& scene, const std::filesystem::path& path);
+Result<Notes> save_svol(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace spinel

@@ -2,16 +2,20 @@
 #include "formats/vdb.h"
 
 #include <fmt/format.h>
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numeric>
 #include <type_traits>
 
 #include "core/atomic_file.h"
 #include "formats/file_bytes.h"
+#include "formats/left_out.h"
+#include "formats/vdb_layout.h"
 #include "image/palette.h"
 #include "kernels/materials.h"
 #include "scene/json_reader.h"
@@ -95,45 +99,47 @@ class Reader {
     Reader(const std::filesystem::path& path, bool floats) : path_(path), floats_(floats) {}
 
     Result<Scene> read() {
+        const Result<std::vector<VdbGridEntry>> listed = read_vdb_layout(path_);
+        if (!listed) return listed.error();
+        for (const VdbGridEntry& grid : *listed)
+            if (Result<void> usable = check(grid.name, grid.type); !usable) return usable.error();
         openvdb::initialize();
-        openvdb::io::File file(path_.string());
-        file.open(false);
-        const auto descriptions = file.readAllGridMetadata();
-        for (const auto& grid : *descriptions)
-            if (Result<void> usable = check(*grid); !usable) return usable.error();
-        // Several grids may have one name; the iterator's tell them apart.
-        for (auto name = file.beginName(); name != file.endName(); ++name)
-            if (Result<void> added = add(file.readGrid(name.gridName())); !added) return added.error();
-        file.close();
+        // OpenVDB does not ask whether it has been given what it reads; the stream tells.
+        std::ifstream file(path_, std::ios::binary);
+        file.exceptions(std::ios::failbit | std::ios::badbit);
+        const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(file, false).getGrids();
+        for (const openvdb::GridBase::Ptr& grid : *grids) {
+            if (Result<void> usable = check(grid->getName(), grid->type()); !usable) return usable.error();
+            if (Result<void> added = add(grid); !added) return added.error();
+        }
         if (scene_.objects.empty()) return cannot_read(path_, "none of its grids has an active voxel");
         return std::move(scene_);
     }
 
   private:
-    static bool is_whole(const openvdb::GridBase& grid) {
-        return grid.isType<openvdb::BoolGrid>() || grid.isType<openvdb::MaskGrid>() ||
-               grid.isType<openvdb::Int32Grid>() || grid.isType<openvdb::Int64Grid>();
+    Error refused(const std::string& name, const std::string& why) const {
+        return cannot_read(path_, fmt::format("its grid '{}' {}", name, why));
     }
-    static bool is_float(const openvdb::GridBase& grid) {
-        return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
-    }
-    Error refused(const openvdb::GridBase& grid, const std::string& why) const {
-        return cannot_read(path_, fmt::format("its grid '{}' {}", grid.getName(), why));
-    }
+    Error refused(const openvdb::GridBase& grid, const std::string& why) const { return refused(grid.getName(), why); }
 
-    Result<void> check(const openvdb::GridBase& grid) const {
-        if (is_float(grid) && !floats_)
+    Result<void> check(const std::string& name, std::string type) const {
+        constexpr std::string_view half = "_HalfFloat";  // stored so, read as floats
+        if (type.ends_with(half)) type.resize(type.size() - half.size());
+        const bool is_float = type == openvdb::FloatGrid::gridType() || type == openvdb::DoubleGrid::gridType();
+        const bool is_whole = type == openvdb::BoolGrid::gridType() || type == openvdb::MaskGrid::gridType() ||
+                              type == openvdb::Int32Grid::gridType() || type == openvdb::Int64Grid::gridType();
+        if (is_float && !floats_)
             return refused(
-                grid,
+                name,
                 "holds floats, a volume: `render` and `trace` read its active voxels as solid ones by --voxels FILE");
-        if (!is_whole(grid) && !is_float(grid))
-            return refused(grid, fmt::format("is of type {}; grids of integers, bits or floats can be read as voxels",
-                                             grid.type()));
-        if (!grid.transform().isLinear()) return refused(grid, "has a transform that is not affine");
+        if (!is_whole && !is_float)
+            return refused(name,
+                           fmt::format("is of type {}; grids of integers, bits or floats can be read as voxels", type));
         return {};
     }
 
     Result<void> add(const openvdb::GridBase::Ptr& grid) {
+        if (!grid->transform().isLinear()) return refused(*grid, "has a transform that is not affine");
         const CoordBBox active = grid->evalActiveVoxelBoundingBox();
         if (active.empty()) return {};
         Coord origin = active.min();
@@ -218,18 +224,13 @@ class Reader {
 }  // namespace
 
 Result<Scene> load_vdb(const std::filesystem::path& path, const LoadOptions& options) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return cannot_read(path, "there is no such file");
-    if (!std::filesystem::is_regular_file(path, error)) return cannot_read(path, "that is not a file");
     try {
         return Reader(path, options.voxels).read();
     } catch (const std::bad_alloc&) {
         return cannot_read(path, "it holds more than fits into memory, or is damaged");
-    } catch (const std::exception& e) {
-        std::string why = e.what();
-        std::replace(why.begin(), why.end(), '\n', ' ');
-        return cannot_read(path, why);
-    }
+    } catch (const std::ios_base::failure&) {
+        return cannot_read(path, "it is cut off, or damaged");
+    } catch (const std::exception& e) { return cannot_read(path, e.what()); }
 }
 
 namespace {
@@ -282,7 +283,7 @@ openvdb::Int32Grid::Ptr grid_of(const VoxelTree& tree, const mat4x3& placed) {
 
 }  // namespace
 
-Result<void> save_vdb(const Scene& scene, const std::filesystem::path& path) {
+Result<Notes> save_vdb(const Scene& scene, const std::filesystem::path& path) {
     const auto cannot_write = [&](const std::string& why) {
         return Error{fmt::format("cannot write '{}': {}", path.string(), why)};
     };
@@ -299,7 +300,7 @@ Result<void> save_vdb(const Scene& scene, const std::filesystem::path& path) {
         if (!object.materials.empty()) grid->insertMeta(materials_key, openvdb::StringMetadata(*materials));
         grids.push_back(grid);
     }
-    return write_file_atomically(path, [&](const std::filesystem::path& fresh) -> Result<void> {
+    const Result<void> written = write_file_atomically(path, [&](const std::filesystem::path& fresh) -> Result<void> {
         try {
             openvdb::io::File file(fresh.string());
             file.write(grids);
@@ -307,6 +308,10 @@ Result<void> save_vdb(const Scene& scene, const std::filesystem::path& path) {
         } catch (const std::exception& e) { return cannot_write(e.what()); }
         return {};
     });
+    if (!written) return written.error();
+    LeftOut left_out;
+    left_out.add_light_and_cameras(scene);
+    return left_out.notes();
 }
 
 }  // namespace spinel

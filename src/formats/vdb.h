@@ -20,6 +20,6 @@ namespace spinel {
 Result<Scene> load_vdb(const std::filesystem::path& path, const LoadOptions& options);
 
 // One grid for each object, all of which must be voxels with a surface and without textures.
-Result<void> save_vdb(const Scene& scene, const std::filesystem::path& path);
+Result<Notes> save_vdb(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace spinel

@@ -1,7 +1,6 @@
 #include "formats/vox.h"
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
 
 #include "formats/file_bytes.h"
@@ -9,6 +8,7 @@
 #include "formats/vox_material.h"
 #include "formats/vox_settings.h"
 #include "formats/voxel_geometry.h"
+#include "scene/material_registry.h"
 
 namespace spinel {
 namespace {
@@ -185,9 +185,8 @@ class Builder {
             return made = CLOUD;
         }
         if (medium >= 0) look.material.interior = std::uint32_t(medium);
-        // Scalar layout without padding: equal bytes are equal materials.
         const auto same = std::find_if(scene_.materials.begin(), scene_.materials.end(), [&](const Material& other) {
-            return std::memcmp(&other.values, &look.material, sizeof look.material) == 0;
+            return same_material(other.values, look.material);
         });
         if (same != scene_.materials.end()) return made = int(same - scene_.materials.begin());
         scene_.materials.push_back({name, look.material});

@@ -29,7 +29,6 @@ vec3 direction_of(float elevation, float azimuth) {
 }
 
 void apply_light(const File& file, Scene& scene) {
-    const Dictionary none;
     const Dictionary* sun = setting(file, "_inf");
     const Dictionary* uniform = setting(file, "_uni");
     const Dictionary* air = setting(file, "_atm");
@@ -50,10 +49,11 @@ void apply_light(const File& file, Scene& scene) {
         scene.environment = sky;
     } else {
         scene.environment = ConstantEnvironment{uniform ? color_of(*uniform, "_k") * intensity(*uniform) : vec3(0)};
-        if (mode == 1)
+        if (mode == 1) {
+            const Dictionary* picture = setting(file, "_ibl");
             scene.notes.push_back("its sky is a picture that is not in the file (" +
-                                  word(setting(file, "_ibl") ? *setting(file, "_ibl") : none, "_path") +
-                                  "); one colour takes its place");
+                                  (picture ? word(*picture, "_path") : "") + "); one colour takes its place");
+        }
     }
     if (strength > 0.0f && elevation > 0.0f) {
         DirectionalLight light;

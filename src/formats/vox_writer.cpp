@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>
 
 #include "core/atomic_file.h"
-#include "formats/vox_file.h"
-#include "formats/voxel_geometry.h"
-#include "image/tone_map.h"
+#include "formats/left_out.h"
+#include "formats/vox_palette.h"
 #include "kernels/materials.h"
 
 namespace spinel {
@@ -39,85 +37,6 @@ std::string dictionary(const Dictionary& d) {
 std::string chunk(const std::string& id, const std::string& content) {
     return id + number(content.size()) + number(0) + content;
 }
-std::string decimal(float value) {
-    char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, value);
-    return std::string(digits, end.ptr);
-}
-
-// What one palette entry says.
-struct Entry {
-    std::array<std::uint8_t, 4> color = {0, 0, 0, 255};
-    Dictionary properties;
-};
-
-void set_color(Entry& entry, vec3 linear) {
-    for (int c = 0; c < 3; ++c)
-        entry.color[std::size_t(c)] =
-            std::uint8_t(std::lround(255.0f * std::clamp(srgb_encoded(std::max(linear[c], 0.0f)), 0.0f, 1.0f)));
-}
-
-// The inverse of vox_material.cpp's inner_medium().
-void set_medium(Entry& entry, const Medium& medium) {
-    const vec3 extinction = medium.scattering + medium.absorption;
-    const float density = std::max({extinction.x, extinction.y, extinction.z, 1e-6f});
-    Dictionary& said = entry.properties;
-    said["_d"] = decimal(density);
-    said["_g"] = decimal(medium.g);
-    if (medium.emission != vec3(0)) {
-        said["_media"] = "2", said["_media_type"] = "_emit";
-        set_color(entry, medium.emission / density);
-    } else if (medium.scattering == vec3(0)) {
-        said["_media"] = "0", said["_media_type"] = "_absorb";
-        set_color(entry, 1.0f - medium.absorption / density);
-    } else {
-        said["_media"] = "1", said["_media_type"] = "_scatter";
-        set_color(entry, medium.scattering / density);
-    }
-}
-
-// The inverse of vox_material.cpp's appearance().
-Entry entry_of(const kernels::Material& m, const Medium* medium) {
-    Entry entry;
-    Dictionary& said = entry.properties;
-    set_color(entry, m.color);
-    if (const float most = std::max({m.emission.x, m.emission.y, m.emission.z}); most > 0.0f) {
-        const float flux = std::clamp(std::ceil(std::log2(most) / 2.0f), 0.0f, 4.0f);
-        set_color(entry, m.emission / most);
-        said["_type"] = "_emit";
-        said["_emit"] = decimal(std::min(most / std::pow(4.0f, flux), 1.0f));
-        said["_flux"] = decimal(flux);
-        return entry;
-    }
-    said["_rough"] = decimal(m.roughness);
-    switch (m.kind) {
-        case kernels::MATERIAL_METAL:
-            said["_type"] = "_metal";
-            said["_metal"] = "1";
-            break;
-        case kernels::MATERIAL_PRINCIPLED:
-            said["_type"] = "_metal";
-            said["_metal"] = decimal(m.metallic);
-            break;
-        case kernels::MATERIAL_PLASTIC:
-            said["_type"] = "_metal";
-            said["_plastic"] = "1";
-            break;
-        case kernels::MATERIAL_DIELECTRIC:
-            said["_type"] = "_glass";
-            said["_trans"] = "0.5";  // by which the colour is that of light after 4 voxels
-            set_color(entry, glm::exp(-4.0f * m.absorption));
-            if (medium) set_medium(entry, *medium);
-            break;
-        default: said["_type"] = "_diffuse"; break;
-    }
-    if (m.kind == kernels::MATERIAL_DIELECTRIC || m.kind == kernels::MATERIAL_PLASTIC) {
-        said["_ri"] = decimal(m.ior);
-        said["_ior"] = decimal(m.ior - 1.0f);
-    }
-    return entry;
-}
-
 // From the scene's space to the file's: a signed permutation and a whole-numbered place.
 struct Pose {
     mat3 rotation = mat3(1);
@@ -128,11 +47,19 @@ class Writer {
   public:
     Writer(const Scene& scene, const std::filesystem::path& path) : scene_(scene), path_(path) {}
 
-    Result<void> write() {
+    Result<Notes> write() {
         if (scene_.objects.empty()) return refuse("there is no object in the scene");
-        for (const Object& object : scene_.objects)
-            if (Result<void> added = add_object(object); !added) return added;
-        if (placements_ == 0) return refuse("there is no voxel in the scene");
+        std::vector<Pose> poses;
+        for (const Object& object : scene_.objects) {
+            const Result<Pose> pose = look_at(object);
+            if (!pose) return pose.error();
+            poses.push_back(*pose);
+        }
+        if (looks_.empty()) return refuse("there is no voxel in the scene");
+        Result<vox::FewEntries> few = vox::few_entries(entries_, voxels_, MAX_COLORS);
+        if (!few) return refuse(few.error().message);
+        palette_ = std::move(*few);
+        for (std::size_t i = 0; i < poses.size(); ++i) add_object(scene_.objects[i], poses[i]);
 
         std::string children;
         for (std::size_t i = 0; i < placements_; ++i) children += number(2 + 2 * i);
@@ -140,19 +67,24 @@ class Writer {
                                                    raw(std::int32_t(-1)) + number(1) + dictionary({}));
         const std::string group = chunk("nGRP", number(1) + dictionary({}) + number(placements_) + children);
         std::string palette(1024, '\0'), materials;
-        for (std::size_t i = 0; i < entries_.size(); ++i) {
-            std::memcpy(palette.data() + 4 * i, entries_[i].color.data(), 4);
-            materials += chunk("MATL", number(i + 1) + dictionary(entries_[i].properties));
+        for (std::size_t i = 0; i < palette_.entries.size(); ++i) {
+            std::memcpy(palette.data() + 4 * i, palette_.entries[i].color.data(), 4);
+            materials += chunk("MATL", number(i + 1) + dictionary(palette_.entries[i].properties));
         }
         const std::string chunks = models_ + root + group + nodes_ + chunk("RGBA", palette) + materials;
         if (chunks.size() > 0x7fffffffu) return refuse("its voxels are more than a file can hold");
-        return write_file_atomically(path_, "VOX " + number(150) + "MAIN" + number(0) + number(chunks.size()) + chunks);
+        if (Result<void> written = write_file_atomically(
+                path_, "VOX " + number(150) + "MAIN" + number(0) + number(chunks.size()) + chunks);
+            !written)
+            return written.error();
+        return notes();
     }
 
   private:
     Error refuse(const std::string& why) const { return {"cannot write '" + path_.string() + "': " + why}; }
 
-    Result<void> add_object(const Object& object) {
+    // Where an object stands; notes what its voxels look like.
+    Result<Pose> look_at(const Object& object) {
         const Geometry& geometry = scene_.geometries[std::size_t(object.geometry)];
         const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data);
         if (!voxels) return refuse("object '" + object.name + "' is not made of voxels");
@@ -162,22 +94,30 @@ class Writer {
                 "object '" + object.name +
                 "' does not stand on the lattice of voxels: it must be turned by right angles and moved by whole "
                 "voxels, all objects of one scale");
+        std::vector<std::uint64_t> counts(voxels->tree->palette_maximum() + std::size_t(1));
+        voxels->tree->for_each_cube([&](ivec3, int edge, std::uint16_t palette) {
+            counts[palette] += std::uint64_t(edge) * std::uint64_t(edge) * std::uint64_t(edge);
+        });
+        for (std::size_t palette = 1; palette < counts.size(); ++palette)
+            if (counts[palette] > 0)
+                if (Result<void> added = add_look(object, std::uint16_t(palette), counts[palette]); !added)
+                    return added.error();
+        return *pose;
+    }
+
+    void add_object(const Object& object, const Pose& pose) {
+        const auto& voxels = std::get<VoxelGeometry>(scene_.geometries[std::size_t(object.geometry)].data);
         // Cells by the model that they fall into.
         std::map<std::array<int, 3>, std::vector<VoxelPoint>> models;
-        std::map<std::uint16_t, std::uint8_t> colors;
-        for (VoxelPoint& point : voxel_points(*voxels)) {
-            const auto [color, is_new] = colors.emplace(point.palette, std::uint8_t(0));
-            if (is_new) {
-                const Result<std::uint8_t> made = color_of(object, point.palette);
-                if (!made) return made.error();
-                color->second = *made;
-            }
-            const ivec3 block = point.cell / MAX_MODEL_EDGE;
-            models[{block.x, block.y, block.z}].push_back({point.cell - block * MAX_MODEL_EDGE, color->second});
-        }
+        std::vector<std::uint16_t> color(voxels.tree->palette_maximum() + std::size_t(1));
+        voxels.tree->for_each([&](ivec3 cell, std::uint16_t palette) {
+            if (color[palette] == 0)
+                color[palette] = std::uint16_t(1 + palette_.index[looks_.at(look_of(object, palette))]);
+            const ivec3 block = cell / MAX_MODEL_EDGE;
+            models[{block.x, block.y, block.z}].push_back({cell - block * MAX_MODEL_EDGE, color[palette]});
+        });
         for (const auto& [block, points] : models)
-            add_model(object.name, *pose, MAX_MODEL_EDGE * ivec3(block[0], block[1], block[2]), points);
-        return {};
+            add_model(object.name, pose, MAX_MODEL_EDGE * ivec3(block[0], block[1], block[2]), points);
     }
 
     void add_model(const std::string& name, const Pose& pose, ivec3 corner, const std::vector<VoxelPoint>& points) {
@@ -246,47 +186,72 @@ class Writer {
         return bits;
     }
 
-    // The file's palette index of an object's.
-    Result<std::uint8_t> color_of(const Object& object, std::uint16_t palette) {
+    // A material and what is inside, each −1: none.
+    using Look = std::pair<int, int>;
+
+    Look look_of(const Object& object, std::uint16_t palette) const {
         const std::size_t slot = object.materials.size() == 1 ? 0 : std::size_t(palette - 1);
         const int material = slot < object.materials.size() ? object.materials[slot] : -1;
         int interior = object.interior;
         if (material >= 0 && interior < 0 && scene_.materials[std::size_t(material)].values.interior != kernels::NONE)
             interior = int(scene_.materials[std::size_t(material)].values.interior);
-        const auto [made, is_new] = colors_.emplace(std::make_pair(material, interior), std::uint8_t(0));
-        if (!is_new) return made->second;
-        const Medium* medium = interior >= 0 ? &scene_.media[std::size_t(interior)] : nullptr;
-        Entry entry;
-        if (material >= 0) {
-            entry = entry_of(scene_.materials[std::size_t(material)].values, medium);
+        return {material, interior};
+    }
+
+    Result<void> add_look(const Object& object, std::uint16_t palette, std::uint64_t voxels) {
+        const Look look = look_of(object, palette);
+        const auto [known, is_new] = looks_.emplace(look, 0);
+        if (!is_new) return voxels_[known->second] += voxels, Result<void>();
+        const Medium* medium = look.second >= 0 ? &scene_.media[std::size_t(look.second)] : nullptr;
+        vox::Entry entry;
+        if (look.first >= 0) {
+            const kernels::Material& material = scene_.materials[std::size_t(look.first)].values;
+            entry = vox::entry_of(material, medium, scale_);
+            const bool is_glass = material.kind == kernels::MATERIAL_DIELECTRIC;
+            for (const std::string& what : vox::losses(material, is_glass ? medium : nullptr, scale_)) ++lost_[what];
+            if (medium && !is_glass) ++lost_["interior"];
         } else if (medium) {
-            entry.properties["_type"] = "_media";
-            set_medium(entry, *medium);
+            entry = vox::entry_of(*medium, scale_);
         } else {
             return refuse("object '" + object.name + "' has voxels without a material or a medium");
         }
-        const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& other) {
-            return other.color == entry.color && other.properties == entry.properties;
-        });
-        if (same == entries_.end() && entries_.size() == MAX_COLORS)
-            return refuse("it needs more than the " + std::to_string(MAX_COLORS) + " colours of a palette");
-        made->second = std::uint8_t(same - entries_.begin() + 1);
-        if (same == entries_.end()) entries_.push_back(std::move(entry));
-        return made->second;
+        if (medium && (medium->grid >= 0 || medium->erosion.kind != Erosion::Kind::none)) ++lost_["varying density"];
+        const auto same = std::find(entries_.begin(), entries_.end(), entry);
+        known->second = std::size_t(same - entries_.begin());
+        if (same == entries_.end()) {
+            entries_.push_back(std::move(entry));
+            voxels_.push_back(0);
+        }
+        voxels_[known->second] += voxels;
+        return {};
+    }
+
+    Notes notes() const {
+        LeftOut left_out;
+        for (const auto& [what, count] : lost_)
+            left_out.add(what + " of " + std::to_string(count) + (count == 1 ? " material" : " materials"));
+        if (palette_.entries.size() < entries_.size())
+            left_out.add(std::to_string(entries_.size()) + " colours as " + std::to_string(palette_.entries.size()));
+        if (std::abs(scale_ - 1.0f) > 1e-4f) left_out.add("the size of voxels");
+        left_out.add_light_and_cameras(scene_);
+        return left_out.notes();
     }
 
     const Scene& scene_;
     const std::filesystem::path& path_;
     float scale_ = 0;  // units a voxel, of the first object
     std::optional<vec3> phase_;
-    std::vector<Entry> entries_;                          // palette index 1 …
-    std::map<std::pair<int, int>, std::uint8_t> colors_;  // of material and interior
+    std::map<Look, std::size_t> looks_;  // their entries
+    std::vector<vox::Entry> entries_;    // all that are asked for …
+    std::vector<std::uint64_t> voxels_;  // … by so many voxels …
+    vox::FewEntries palette_;            // … and what is written of them, from palette index 1 on
+    std::map<std::string, int> lost_;    // what cannot be said, of so many materials
     std::string models_, nodes_;
     std::size_t placements_ = 0;
 };
 
 }  // namespace
 
-Result<void> save_vox(const Scene& scene, const std::filesystem::path& path) { return Writer(scene, path).write(); }
+Result<Notes> save_vox(const Scene& scene, const std::filesystem::path& path) { return Writer(scene, path).write(); }
 
 }  // namespace spinel

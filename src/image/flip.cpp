@@ -103,7 +103,7 @@ Plane filtered(const Plane& plane, const Row& along_x, const Row& along_y) {
                     for (int k = -radius; k <= radius; ++k) {
                         const int i = horizontal ? std::clamp(x + k, 0, plane.width - 1) : x;
                         const int j = horizontal ? y : std::clamp(y + k, 0, plane.height - 1);
-                        total += row[std::size_t(k + radius)] *
+                        total += row[std::size_t(k) + std::size_t(radius)] *
                                  from.values[std::size_t(j) * std::size_t(plane.width) + std::size_t(i)];
                     }
                     to.values[std::size_t(y) * std::size_t(plane.width) + std::size_t(x)] = total;
@@ -178,8 +178,9 @@ Perceived perceived(const Image& image, double pixels_per_degree) {
     const Row smooth = gaussian(radius, 0.5 / (deviation * deviation));
     Row first = smooth, second = smooth;
     for (int x = -radius; x <= radius; ++x) {
-        first[std::size_t(x + radius)] *= -x;
-        second[std::size_t(x + radius)] *= double(x * x) / (deviation * deviation) - 1;
+        const std::size_t i = std::size_t(x) + std::size_t(radius);
+        first[i] *= -x;
+        second[i] *= double(x * x) / (deviation * deviation) - 1;
     }
     const auto magnitude = [&](const Row& derivative) {
         const Row row = balanced(derivative), across = normalised(smooth);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "accel/bvh_builder.h"
+#include "core/pool.h"
 #include "scene/compiled_scene.h"
 
 namespace spinel {
@@ -32,31 +33,35 @@ struct Compilation {
     std::vector<VoxelTreePointer> trees = {};  // of voxel sets, as they are rendered; parallel to Scene::geometries
 };
 
+// What the pools that several things share hold, for messages.
+constexpr const char* WORDS = "words of voxels, textures and tables";
+constexpr const char* NUMBERS = "numbers of volumes and environment";
+
 // compile_textures.cpp
-void add_textures(Compilation& c);
+Result<void> add_textures(Compilation& c);
 // Mean linear rgb of a texture, on one face of a cube where it differs by face; 1 for NONE.
 vec3 mean_color(const CompiledScene& out, kernels::uint texture, kernels::uint face);
 
 // compile_media.cpp: an index into media or interiors, shared among equals.
 kernels::uint add_medium(Compilation& c, const kernels::Medium& medium);
-kernels::uint add_scene_medium(Compilation& c, int medium, const mat4x3& object_to_world);
+Result<kernels::uint> add_scene_medium(Compilation& c, int medium, const mat4x3& object_to_world);
 kernels::uint add_interior(Compilation& c, const kernels::Interior& interior);
 
 // compile_contacts.cpp: where surfaces of two instances may lie in the same place; after the top-level BVH is built.
-void find_contacts(Compilation& c);
+Result<void> find_contacts(Compilation& c);
 
 // compile_environment.cpp: the environment image with its sampling tables, and its light.
-void add_environment(Compilation& c);
+Result<void> add_environment(Compilation& c);
 
 // compile_lights.cpp: lights without a surface, emitters of the instances, the alias table.
 void add_infinite_and_point_lights(Compilation& c);
-void add_surface_lights(Compilation& c);
+Result<void> add_surface_lights(Compilation& c);
 void build_light_table(CompiledScene& out);
 
 // compile_preview.cpp: what only the preview integrators look at; after materials, instances and lights.
 void add_preview_light(Compilation& c);
 bool wants_voxel_mips(const IntegratorSettings& settings, const std::string& integrator);
-void add_voxel_mips(Compilation& c);
+Result<void> add_voxel_mips(Compilation& c);
 
 // compile_detail.cpp: the voxel set of a geometry as the camera needs it, by its level of detail.
 VoxelTreePointer detailed_voxels(const Scene& scene, std::size_t geometry, const kernels::Camera* camera);

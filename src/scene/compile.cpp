@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <span>
 
 #include "accel/bvh_builder.h"
 #include "geometry/mesh/mesh_builder.h"
@@ -92,8 +93,6 @@ namespace {
 
 using Shape = Compilation::Shape;
 
-constexpr std::size_t max_pool = 0xffffffffu;  // indices into words and floats are 32 bits
-
 mat4x3 scaling(vec3 s) { return mat4x3(vec3(s.x, 0, 0), vec3(0, s.y, 0), vec3(0, 0, s.z), vec3(0)); }
 
 template <class T>
@@ -112,10 +111,9 @@ Shape unit_shape(uint kind, const mat4x3& bake, vec3 upper = vec3(1)) {
 
 // A mesh's vertex attributes; NONE if it has none of this sort.
 template <class T>
-uint append_stream(std::vector<T>& to, const std::vector<T>& from) {
+Result<uint> append_stream(std::vector<T>& to, const std::vector<T>& from, const char* what) {
     if (from.empty()) return kernels::NONE;
-    append(to, from);
-    return uint(to.size() - from.size());
+    return append_pool(to, from, what);
 }
 
 struct ShapeBuilder {
@@ -125,10 +123,11 @@ struct ShapeBuilder {
 
     Error fail(const Error& error) const { return {fmt::format("geometry '{}': {}", name, error.message)}; }
 
-    uint append_sdf(SdfData& data) const {
-        data.sdf.op_first = uint(c.out.sdf_ops.size());
+    Result<uint> append_sdf(SdfData& data) const {
+        const Result<uint> first = append_pool(c.out.sdf_ops, data.ops, "operations of implicit surfaces");
+        if (!first) return first.error();
+        data.sdf.op_first = *first;
         c.out.sdfs.push_back(data.sdf);
-        append(c.out.sdf_ops, data.ops);
         return uint(c.out.sdfs.size() - 1);
     }
 
@@ -139,12 +138,21 @@ struct ShapeBuilder {
         Shape shape;
         shape.kind = kernels::GEOMETRY_MESH;
         shape.index = uint(out.meshes.size());
-        out.meshes.push_back({uint(out.nodes.size()), uint(out.triangles.size()), uint(data->triangles.size()),
-                              append_stream(out.normals, mesh.normals), append_stream(out.uvs, mesh.uvs),
-                              append_stream(out.tangents, mesh.tangents), append_stream(out.colors, mesh.colors)});
-        append(out.nodes, data->nodes);
-        append(out.triangles, data->triangles);
-        append(out.triangle_infos, data->infos);
+        kernels::Mesh record = {};
+        record.triangle_count = uint(data->triangles.size());
+        const std::pair<uint&, Result<uint>> places[] = {
+            {record.node_first, append_pool(out.nodes, data->nodes, "nodes of meshes")},
+            {record.triangle_first, append_pool(out.triangles, data->triangles, "triangles")},
+            {record.normal_first, append_stream(out.normals, mesh.normals, "normals of vertices")},
+            {record.uv_first, append_stream(out.uvs, mesh.uvs, "texture coordinates of vertices")},
+            {record.tangent_first, append_stream(out.tangents, mesh.tangents, "tangents of vertices")},
+            {record.color_first, append_stream(out.colors, mesh.colors, "colours of vertices")}};
+        for (const auto& [first, place] : places) {
+            if (!place) return fail(place.error());
+            first = *place;
+        }
+        append(out.triangle_infos, data->infos);  // one a triangle
+        out.meshes.push_back(record);
         shape.lower = data->bounds.lower;
         shape.upper = data->bounds.upper;
         if (data->nodes.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
@@ -155,6 +163,11 @@ struct ShapeBuilder {
         Shape shape;
         shape.kind = kernels::GEOMETRY_VOXELS;
         shape.index = uint(c.out.voxel_grids.size());
+        const VoxelTree::Arrays& arrays = tree.arrays();
+        for (const auto& place :
+             {pool_place(c.out.voxel_nodes.size(), arrays.nodes.size(), "nodes of voxels"),
+              pool_place(c.out.words.size(), arrays.palettes.size() + arrays.references.size(), WORDS)})
+            if (!place) return fail(place.error());
         kernels::VoxelGrid grid = append_voxels(tree, c.out.voxel_nodes, c.out.words);
         append_shapes(voxels, grid, c.out.floats);
         if (voxels.outlines) append_outlines(*voxels.outlines, grid, c.out.floats);
@@ -167,7 +180,9 @@ struct ShapeBuilder {
         if (!data) return fail(data.error());
         Shape shape;
         shape.kind = kernels::GEOMETRY_SDF;
-        shape.index = append_sdf(*data);
+        const Result<uint> index = append_sdf(*data);
+        if (!index) return fail(index.error());
+        shape.index = *index;
         shape.lower = data->sdf.lower;
         shape.upper = data->sdf.upper;
         return shape;
@@ -175,7 +190,9 @@ struct ShapeBuilder {
     Result<Shape> operator()(const SdfVoxelGeometry& voxels) const {
         Result<SdfData> data = build_sdf(voxels.sdf);
         if (!data) return fail(data.error());
-        Result<kernels::VoxelGrid> grid = append_sdf_voxels(voxels, data->sdf, append_sdf(*data), c.out.floats);
+        const Result<uint> sdf = append_sdf(*data);
+        if (!sdf) return fail(sdf.error());
+        Result<kernels::VoxelGrid> grid = append_sdf_voxels(voxels, data->sdf, *sdf, c.out.floats);
         if (!grid) return Error{fmt::format("geometry '{}' {}", name, grid.error().message)};
         if (voxels.outlines) append_outlines(*voxels.outlines, *grid, c.out.floats);
         Shape shape;
@@ -220,7 +237,7 @@ bool is_solid(const Scene& scene, int material) {
 }
 
 // What is inside a slot of an object: the object's own interior before the material's.
-uint slot_interior(Compilation& c, const Object& object, const Shape& shape, int material) {
+Result<uint> slot_interior(Compilation& c, const Object& object, const Shape& shape, int material) {
     kernels::Interior interior;
     std::memset(&interior, 0, sizeof interior);
     interior.medium = NONE;
@@ -237,7 +254,9 @@ uint slot_interior(Compilation& c, const Object& object, const Shape& shape, int
         if (interior.ior == 0 && is_solid(c.scene, material)) return NONE;  // nothing ever gets inside
     }
     if (medium >= 0) {
-        interior.medium = add_scene_medium(c, medium, object.transform);
+        const Result<uint> added = add_scene_medium(c, medium, object.transform);
+        if (!added) return added.error();
+        interior.medium = *added;
     } else if (!kernels::is_black(absorption)) {
         kernels::Medium beer;
         std::memset(&beer, 0, sizeof beer);
@@ -271,7 +290,7 @@ float emission_rate(const Compilation& c) {
     return lower.x <= upper.x && extent > 0 ? 8 / extent : 0;
 }
 
-void add_instance(Compilation& c, std::size_t index) {
+Result<void> add_instance(Compilation& c, std::size_t index) {
     const Object& object = c.scene.objects[index];
     const Shape& shape = c.shapes[std::size_t(object.geometry)];
     kernels::Instance instance = {};
@@ -279,14 +298,18 @@ void add_instance(Compilation& c, std::size_t index) {
     instance.world_to_object = affine_inverse(instance.object_to_world);
     instance.geometry_kind = shape.kind;
     instance.geometry = shape.index;
-    instance.slot_first = uint(c.out.slots.size());
+    const Result<uint> first = pool_place(c.out.slots.size(), shape.slot_count, "slots of objects for materials");
+    if (!first) return first.error();
+    instance.slot_first = *first;
     instance.light_first = NONE;
     instance.object = uint(index);
     for (std::size_t s = 0; s < shape.slot_count; ++s) {
         const int material = object.materials.empty()       ? -1
                              : object.materials.size() == 1 ? object.materials[0]
                                                             : object.materials[s];
-        const kernels::Slot slot{material < 0 ? NONE : uint(material), slot_interior(c, object, shape, material)};
+        const Result<uint> interior = slot_interior(c, object, shape, material);
+        if (!interior) return interior.error();
+        const kernels::Slot slot{material < 0 ? NONE : uint(material), *interior};
         c.out.slots.push_back(slot);
         if (!is_solid(c.scene, material)) instance.flags |= kernels::INSTANCE_PASS_THROUGH;
         if (slot.interior != NONE && shape.kind != kernels::GEOMETRY_VOXELS)
@@ -294,6 +317,7 @@ void add_instance(Compilation& c, std::size_t index) {
     }
     if (instance.flags & kernels::INSTANCE_PASS_THROUGH) ++c.out.pass_through_count;
     c.out.instances.push_back(instance);
+    return {};
 }
 
 // Bounded instances under a BVH, the others behind them in the order. Objects keep their indices.
@@ -365,14 +389,16 @@ Result<void> place_camera_inside(Compilation& c, const Camera& camera) {
     const float x = flat ? k.half_height * float(k.resolution.x) / float(k.resolution.y) : k.lens_radius;
     if (flat || k.lens_radius > 0)
         for (int i = 0; i < 9; ++i) {
-            const vec3 p = k.camera_to_world * vec4(x * float(i % 3 - 1), y * float(i / 3 - 1), 0, 1);
+            const int column = i % 3 - 1, row = i / 3 - 1;
+            const vec3 p = k.camera_to_world * vec4(x * float(column), y * float(row), 0, 1);
             const kernels::Inside there = kernels::interiors_at(out.view(), p);
             if (there.count != inside.count || !std::equal(there.entries, there.entries + there.count, inside.entries))
                 out.camera.locate_rays = 1;
         }
-    out.camera_inside_first = uint(out.words.size());
+    const Result<uint> first = append_pool(out.words, std::span(inside.entries, inside.count), WORDS);
+    if (!first) return first.error();
+    out.camera_inside_first = *first;
     out.camera_inside_count = inside.count;
-    out.words.insert(out.words.end(), inside.entries, inside.entries + inside.count);
     return {};
 }
 
@@ -382,8 +408,10 @@ Result<Camera> choose_camera(const Scene& scene, const std::string& name) {
     std::string available;
     for (const Camera& camera : scene.cameras) {
         if (camera.name == name) return camera;
-        available += (available.empty() ? "'" : ", '") + camera.name + "'";
+        if (!camera.name.empty()) available += (available.empty() ? "'" : ", '") + camera.name + "'";
     }
+    if (available.empty())
+        return Error{fmt::format("no camera '{}': the scene's cameras have no names, and the first is the one", name)};
     return Error{fmt::format("no camera '{}'; available: {}", name, available)};
 }
 
@@ -406,7 +434,7 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
         out.camera = kernel_camera(*camera, out.film);
     }
 
-    add_textures(c);
+    if (Result<void> added = add_textures(c); !added) return added.error();
     for (const Material& material : scene.materials) out.materials.push_back(material.values);
     std::vector<bool> used(scene.geometries.size(), false);
     for (const Object& object : scene.objects) used[std::size_t(object.geometry)] = true;
@@ -426,26 +454,23 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     }
     c.emission_rate = emission_rate(c);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        add_instance(c, i);
+        if (Result<void> added = add_instance(c, i); !added) return added.error();
         out.object_names.push_back(scene.objects[i].name);
     }
     build_top_level(c);
-    find_contacts(c);
-    add_environment(c);
-    out.microfacet_first = uint(out.words.size());
-    out.words.insert(out.words.end(), std::begin(kernels::MICROFACET_TABLE), std::end(kernels::MICROFACET_TABLE));
+    if (Result<void> found = find_contacts(c); !found) return found.error();
+    if (Result<void> added = add_environment(c); !added) return added.error();
+    const Result<uint> table = append_pool(out.words, kernels::MICROFACET_TABLE, WORDS);
+    if (!table) return table.error();
+    out.microfacet_first = *table;
     add_infinite_and_point_lights(c);
-    add_surface_lights(c);
+    if (Result<void> added = add_surface_lights(c); !added) return added.error();
     build_light_table(out);
     add_preview_light(c);
-    if (wants_voxel_mips(scene.integrator, options.integrator)) add_voxel_mips(c);
+    if (wants_voxel_mips(scene.integrator, options.integrator))
+        if (Result<void> added = add_voxel_mips(c); !added) return added.error();
     if (camera)
         if (Result<void> placed = place_camera_inside(c, *camera); !placed) return placed.error();
-    if (out.words.size() > max_pool || out.floats.size() > max_pool)
-        return Error{fmt::format(
-            "the scene needs {} words of voxels and textures and {} of densities and environment; at most {} each "
-            "can be addressed",
-            out.words.size(), out.floats.size(), max_pool)};
     return std::move(c.out);
 }
 

@@ -167,12 +167,14 @@ struct Finder {
         contacts[i].push_back({where.lower, where.upper, error});
     }
 
-    void write_contacts() {
+    Result<void> write_contacts() {
         for (uint i = 0; i < contacts.size(); ++i) {
-            c.out.instances[i].contact_first = uint(c.out.contacts.size());
+            const Result<uint> first = append_pool(c.out.contacts, contacts[i], "contacts of objects");
+            if (!first) return first.error();
+            c.out.instances[i].contact_first = *first;
             c.out.instances[i].contact_count = uint(contacts[i].size());
-            c.out.contacts.insert(c.out.contacts.end(), contacts[i].begin(), contacts[i].end());
         }
+        return {};
     }
 
     void meet(uint a, uint b) {
@@ -203,7 +205,7 @@ struct Finder {
 
 }  // namespace
 
-void find_contacts(Compilation& c) {
+Result<void> find_contacts(Compilation& c) {
     CompiledScene& out = c.out;
     Finder finder{c};
     std::vector<bool> inside;
@@ -239,7 +241,7 @@ void find_contacts(Compilation& c) {
             const uint plane = out.instance_order[p], other = out.instance_order[k];
             if (inside[plane] || inside[other]) finder.meet(plane, other);
         }
-    finder.write_contacts();
+    return finder.write_contacts();
 }
 
 }  // namespace spinel

@@ -87,8 +87,12 @@ double append_cumulative(std::vector<float>& floats, const double* weights, int 
     return sum;
 }
 
-void add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool smooth) {
+Result<void> add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool smooth) {
     CompiledScene& out = c.out;
+    const std::size_t width = std::size_t(map.width), height = std::size_t(map.height);
+    const Result<kernels::uint> place =
+        pool_place(out.floats.size(), 3 * width * height + (width + 1) * height + height + 1, NUMBERS);
+    if (!place) return place.error();
     kernels::Environment& e = out.environment;
     e.width = uint(map.width);
     e.height = uint(map.height);
@@ -106,7 +110,7 @@ void add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool s
     e.marginal_first = uint(out.floats.size());
     const double total = append_cumulative(out.floats, rows.data(), map.height);
     e.light = NONE;
-    if (!(total > 0)) return;
+    if (!(total > 0)) return {};
     kernels::Light light = {};
     light.kind = kernels::LIGHT_ENVIRONMENT;
     light.instance = light.material = NONE;
@@ -114,16 +118,17 @@ void add_map(Compilation& c, const Equirect& map, float rotation_degrees, bool s
     light.radiance = vec3(float(total / (2.0 * map.width)));  // mean
     e.light = uint(out.lights.size());
     out.lights.push_back(light);
+    return {};
 }
 
-void add_sky(Compilation& c, const SkyEnvironment& sky) {
+Result<void> add_sky(Compilation& c, const SkyEnvironment& sky) {
     const float elevation = glm::radians(sky.sun_elevation), azimuth = glm::radians(sky.sun_azimuth);
     const vec3 to_sun(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
                       std::cos(elevation) * std::cos(azimuth));
-    add_map(c, from_sky(sky, to_sun), 0, true);
-    if (!sky.sun) return;
+    if (Result<void> added = add_map(c, from_sky(sky, to_sun), 0, true); !added) return added;
+    if (!sky.sun) return {};
     const vec3 irradiance = sky.scale * kernels::sun_irradiance(to_sun, sky.haze);
-    if (kernels::is_black(irradiance)) return;
+    if (kernels::is_black(irradiance)) return {};
     kernels::Light light = {};
     light.kind = kernels::LIGHT_DIRECTIONAL;
     light.instance = light.material = NONE;
@@ -132,18 +137,20 @@ void add_sky(Compilation& c, const SkyEnvironment& sky) {
     light.radius = glm::radians(sky.sun_angular_radius);
     light.radiance = light.radius > 0 ? irradiance / (kernels::PI * kernels::sqr(std::sin(light.radius))) : irradiance;
     c.out.lights.push_back(light);
+    return {};
 }
 
 }  // namespace
 
-void add_environment(Compilation& c) {
+Result<void> add_environment(Compilation& c) {
     c.out.environment.light = NONE;
     c.out.environment.world_to_local = mat3(1);
     if (const auto* constant = std::get_if<ConstantEnvironment>(&c.scene.environment))
-        add_map(c, {1, 1, {constant->radiance}}, 0, false);
-    else if (const auto* image = std::get_if<ImageEnvironment>(&c.scene.environment))
-        add_map(c, from_image(*image), image->rotation, image->filter == Filter::linear);
-    else if (const auto* sky = std::get_if<SkyEnvironment>(&c.scene.environment)) add_sky(c, *sky);
+        return add_map(c, {1, 1, {constant->radiance}}, 0, false);
+    if (const auto* image = std::get_if<ImageEnvironment>(&c.scene.environment))
+        return add_map(c, from_image(*image), image->rotation, image->filter == Filter::linear);
+    if (const auto* sky = std::get_if<SkyEnvironment>(&c.scene.environment)) return add_sky(c, *sky);
+    return {};
 }
 
 }  // namespace spinel

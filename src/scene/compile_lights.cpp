@@ -209,7 +209,7 @@ void add_infinite_and_point_lights(Compilation& c) {
     }
 }
 
-void add_surface_lights(Compilation& c) {
+Result<void> add_surface_lights(Compilation& c) {
     CompiledScene& out = c.out;
     const kernels::SceneView view = out.view();  // of what emits; the lights, which grow, are not looked at
     for (uint i = 0; i < out.instances.size(); ++i) {
@@ -240,10 +240,12 @@ void add_surface_lights(Compilation& c) {
                 break;
             default: break;  // planes have no area, SDFs no parametrisation: found by following paths
         }
+        if (const Result<uint> place = pool_place(out.lights.size(), 0, "lights"); !place) return place.error();
         const uint count = uint(out.lights.size()) - first;
         out.instances[i].light_first = count > 0 ? first : NONE;
         out.instances[i].light_count = count;
     }
+    return {};
 }
 
 // Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", 1991.

@@ -24,7 +24,7 @@ uint add_shared(std::vector<T>& records, std::map<std::string, uint>& known, con
 constexpr int majorant_cell = 4;  // samples; measured: finer costs steps, coarser costs null collisions
 
 // Copies a grid's values and builds its majorants: the maximum over all samples that a look-up in the cell can touch.
-uint add_grid(Compilation& c, int index) {
+Result<uint> add_grid(Compilation& c, int index) {
     uint& known = c.grid_of[std::size_t(index)];
     if (known != NONE) return known;
     const Grid& grid = c.scene.grids[std::size_t(index)];
@@ -33,9 +33,9 @@ uint add_grid(Compilation& c, int index) {
     record.filter_kind = grid.filter == Filter::nearest ? kernels::FILTER_NEAREST : kernels::FILTER_TRILINEAR;
     record.majorant_cell = majorant_cell;
     record.majorant_size = (grid.size + ivec3(majorant_cell - 1)) / majorant_cell;
-    record.value_first = uint(c.out.floats.size());
-    c.out.floats.insert(c.out.floats.end(), grid.values.begin(), grid.values.end());
-    record.majorant_first = uint(c.out.floats.size());
+    const Result<uint> values = append_pool(c.out.floats, grid.values, NUMBERS);
+    if (!values) return values.error();
+    record.value_first = *values;
     const ivec3 m = record.majorant_size;
     std::vector<float> majorants(std::size_t(m.x) * std::size_t(m.y) * std::size_t(m.z));
     const auto value = [&](int x, int y, int z) {
@@ -59,7 +59,9 @@ uint add_grid(Compilation& c, int index) {
                               std::size_t(m.x) * (std::size_t(j) + std::size_t(m.y) * std::size_t(k))] = bound;
                 }
     });
-    c.out.floats.insert(c.out.floats.end(), majorants.begin(), majorants.end());
+    const Result<uint> first = append_pool(c.out.floats, majorants, NUMBERS);
+    if (!first) return first.error();
+    record.majorant_first = *first;
     c.out.grids.push_back(record);
     return known = uint(c.out.grids.size() - 1);
 }
@@ -81,7 +83,7 @@ uint add_interior(Compilation& c, const kernels::Interior& interior) {
     return add_shared(c.out.interiors, c.interiors, interior);
 }
 
-uint add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) {
+Result<uint> add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) {
     if (index < 0) return NONE;
     const Medium& medium = c.scene.media[std::size_t(index)];
     kernels::Medium record;
@@ -95,7 +97,9 @@ uint add_scene_medium(Compilation& c, int index, const mat4x3& object_to_world) 
     record.density_bound = 1;
     record.emission_rate = kernels::is_black(medium.emission) ? 0.0f : c.emission_rate;
     if (medium.grid >= 0) {
-        record.grid = add_grid(c, medium.grid);
+        const Result<uint> grid = add_grid(c, medium.grid);
+        if (!grid) return grid.error();
+        record.grid = *grid;
         record.world_to_grid =
             affine_inverse(affine_product(object_to_world, c.scene.grids[std::size_t(medium.grid)].index_to_local));
         record.erosion = kernel_erosion(medium.erosion.kind);

@@ -112,7 +112,7 @@ bool wants_voxel_mips(const IntegratorSettings& settings, const std::string& int
     return needs == SPINEL_NEEDS_MIPS || (needs == SPINEL_NEEDS_GLOW_MIPS && settings.glow > 0);
 }
 
-void add_voxel_mips(Compilation& c) {
+Result<void> add_voxel_mips(Compilation& c) {
     CompiledScene& out = c.out;
     out.mip_edge = 0;
     std::vector<kernels::InstanceMips> of_instance;
@@ -142,13 +142,19 @@ void add_voxel_mips(Compilation& c) {
         for (std::size_t s = 0; s < slots; ++s)
             looks.push_back(look_of_material(out, view, out.slots[placed.slot_first + s].material));
         const VoxelMips mips = build_voxel_mips(*c.trees[geometry], looks);
-        of_instance[i] = {uint(out.voxel_mips.size()), uint(out.voxel_mips.size() + mips.palette.size())};
-        out.voxel_mips.insert(out.voxel_mips.end(), mips.palette.begin(), mips.palette.end());
-        out.voxel_mips.insert(out.voxel_mips.end(), mips.nodes.begin(), mips.nodes.end());
+        const Result<uint> palette = append_pool(out.voxel_mips, mips.palette, "coarser voxels for previews");
+        if (!palette) return palette.error();
+        const Result<uint> nodes = append_pool(out.voxel_mips, mips.nodes, "coarser voxels for previews");
+        if (!nodes) return nodes.error();
+        of_instance[i] = {*palette, *nodes};
     }
-    out.mip_first = uint(out.words.size());
+    std::vector<uint> places;
     for (const kernels::InstanceMips& mips : of_instance)
-        out.words.insert(out.words.end(), {mips.palette_first, mips.node_first});
+        places.insert(places.end(), {mips.palette_first, mips.node_first});
+    const Result<uint> first = append_pool(out.words, places, WORDS);
+    if (!first) return first.error();
+    out.mip_first = *first;
+    return {};
 }
 
 }  // namespace spinel

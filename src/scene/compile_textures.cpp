@@ -40,10 +40,14 @@ struct Texels {
 };
 using TexelsOf = std::map<std::pair<const PixelBuffer*, bool>, Texels>;
 
-Texels append_texels(const PixelBuffer& pixels, bool srgb, std::vector<uint>& words, TexelsOf& known) {
-    const auto [entry, fresh] = known.try_emplace({&pixels, srgb}, Texels{kernels::TEXTURE_RGBA8, uint(words.size())});
+Result<Texels> append_texels(const PixelBuffer& pixels, bool srgb, std::vector<uint>& words, TexelsOf& known) {
+    const auto [entry, fresh] = known.try_emplace({&pixels, srgb}, Texels{kernels::TEXTURE_RGBA8, 0});
     if (!fresh) return entry->second;
     const std::size_t count = std::size_t(pixels.width) * std::size_t(pixels.height);
+    const std::size_t words_a_texel = std::holds_alternative<std::vector<float>>(pixels.data) ? 2 : 1;
+    const Result<uint> first = pool_place(words.size(), words_a_texel * count, WORDS);
+    if (!first) return first.error();
+    entry->second.word_first = *first;
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&pixels.data)) {
         words.reserve(words.size() + count);
         for (std::size_t i = 0; i < count; ++i) {
@@ -68,32 +72,37 @@ Texels append_texels(const PixelBuffer& pixels, bool srgb, std::vector<uint>& wo
 }
 
 template <class PictureTexture>
-kernels::Texture picture_record(const PictureTexture& picture, std::vector<uint>& words, TexelsOf& known) {
+Result<kernels::Texture> picture_record(const PictureTexture& picture, std::vector<uint>& words, TexelsOf& known) {
     const PixelBuffer& pixels = *picture.pixels;
-    const Texels texels = append_texels(pixels, picture.srgb, words, known);
+    const Result<Texels> texels = append_texels(pixels, picture.srgb, words, known);
+    if (!texels) return texels.error();
     kernels::Texture t = {};
-    t.kind = texels.kind;
+    t.kind = texels->kind;
     t.width = uint(pixels.width);
     t.height = uint(pixels.height);
-    t.word_first = texels.word_first;
+    t.word_first = texels->word_first;
     t.srgb = t.kind == kernels::TEXTURE_RGBA8 && picture.srgb ? 1 : 0;
     t.filter_kind = picture.filter == Filter::nearest ? kernels::FILTER_NEAREST : kernels::FILTER_TRILINEAR;
     t.face_first = kernels::NONE;
     return t;
 }
 
-kernels::Texture image_record(const ImageTexture& image, std::vector<uint>& words, TexelsOf& known) {
-    kernels::Texture t = picture_record(image, words, known);
-    t.wrap = kernel_wrap(image.wrap);
-    t.scale = image.scale;
-    t.offset = image.offset;
+Result<kernels::Texture> image_record(const ImageTexture& image, std::vector<uint>& words, TexelsOf& known) {
+    Result<kernels::Texture> t = picture_record(image, words, known);
+    if (!t) return t;
+    t->wrap = kernel_wrap(image.wrap);
+    t->scale = image.scale;
+    t->offset = image.offset;
     return t;
 }
 
-kernels::Texture face_record(const FaceTexture& faces, std::vector<uint>& words, TexelsOf& known) {
-    kernels::Texture t = picture_record(faces, words, known);
-    t.wrap = kernels::WRAP_CLAMP;
-    t.face_first = uint(words.size());
+Result<kernels::Texture> face_record(const FaceTexture& faces, std::vector<uint>& words, TexelsOf& known) {
+    Result<kernels::Texture> t = picture_record(faces, words, known);
+    if (!t) return t;
+    const Result<uint> first = pool_place(words.size(), 24, WORDS);
+    if (!first) return first.error();
+    t->wrap = kernels::WRAP_CLAMP;
+    t->face_first = *first;
     for (const glm::ivec4& rectangle : faces.faces)
         for (int i = 0; i < 4; ++i) words.push_back(uint(rectangle[i]));
     return t;
@@ -112,15 +121,19 @@ kernels::Texture checker_record(const CheckerTexture& checker) {
 
 }  // namespace
 
-void add_textures(Compilation& c) {
+Result<void> add_textures(Compilation& c) {
     TexelsOf known;
     for (const Texture& texture : c.scene.textures) {
+        Result<kernels::Texture> record = kernels::Texture{};
         if (const auto* image = std::get_if<ImageTexture>(&texture.data))
-            c.out.textures.push_back(image_record(*image, c.out.words, known));
+            record = image_record(*image, c.out.words, known);
         else if (const auto* faces = std::get_if<FaceTexture>(&texture.data))
-            c.out.textures.push_back(face_record(*faces, c.out.words, known));
-        else c.out.textures.push_back(checker_record(std::get<CheckerTexture>(texture.data)));
+            record = face_record(*faces, c.out.words, known);
+        else record = checker_record(std::get<CheckerTexture>(texture.data));
+        if (!record) return record.error();
+        c.out.textures.push_back(*record);
     }
+    return {};
 }
 
 vec3 mean_color(const CompiledScene& out, kernels::uint texture, kernels::uint face) {

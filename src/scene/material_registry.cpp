@@ -1,5 +1,7 @@
 #include "scene/material_registry.h"
 
+#include <cstring>
+
 #include "kernels/materials.h"
 
 namespace spinel {
@@ -73,6 +75,12 @@ kernels::Material default_material(kernels::uint kind) {
     set_defaults(material, common_parameters);
     if (const MaterialInfo* info = find_material_info(kind)) set_defaults(material, info->parameters);
     return material;
+}
+
+bool same_material(const Material& a, const Material& b) {
+    // Scalar layout without padding: what is equal to the user has equal bytes, but for the sign of a zero.
+    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+    return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
 }  // namespace spinel

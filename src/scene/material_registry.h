@@ -31,4 +31,7 @@ std::span<const MaterialParameter> common_material_parameters();
 // Defaults of the kind; every texture and the interior NONE.
 kernels::Material default_material(kernels::uint kind);
 
+// Bit for bit.
+bool same_material(const kernels::Material& a, const kernels::Material& b);
+
 }  // namespace spinel

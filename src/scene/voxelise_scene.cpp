@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <memory>
@@ -57,10 +56,6 @@ kernels::Material without_textures(kernels::Material m) {
     return m;
 }
 
-bool same(const kernels::Material& a, const kernels::Material& b) {
-    return std::memcmp(&a, &b, sizeof a) == 0;  // scalar layout without padding
-}
-
 constexpr std::uint32_t no_color = 0xffffffff;
 
 // A touched cell: the look is a row of `Looks`, the colour its own.
@@ -83,7 +78,7 @@ struct Looks {
         kernels::Material plain = without_textures(material.values);
         if (colored) plain.color = vec3(1);
         for (std::size_t i = 0; i < rows.size(); ++i)
-            if (rows[i].colored == colored && same(rows[i].material, plain)) return std::uint32_t(i);
+            if (rows[i].colored == colored && same_material(rows[i].material, plain)) return std::uint32_t(i);
         rows.push_back({material.name, plain, colored});
         return std::uint32_t(rows.size() - 1);
     }

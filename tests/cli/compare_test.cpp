@@ -54,6 +54,19 @@ TEST_F(CliCompare, bytes_and_floats_meet_as_light) {
     EXPECT_EQ(value("a.png", "alpha.png", "rmse"), 0.0) << "alpha does not count";
 }
 
+// So are 16 bits, whichever format holds them; a picture of floats is light as it is.
+TEST_F(CliCompare, words_are_decoded_as_bytes_are) {
+    std::string ppm = "P6\n8 4\n65535\n";
+    for (int i = 0; i < 8 * 4 * 3; ++i) ppm += {char(0x99), char(0x99)};  // 0.6, the high byte first
+    write("a.ppm", ppm);
+    plain("a.exr", srgb_decoded(0.6f));
+    plain("b.exr", 0.6f);
+    EXPECT_LT(value("a.ppm", "a.exr", "rmse"), 4e-5);  // two steps of 16 bits
+    EXPECT_GT(value("a.ppm", "b.exr", "rmse"), 0.2);
+    plain("a.png", 0.6f);
+    EXPECT_LT(value("a.ppm", "a.png", "rmse"), 4e-5) << "0.6 is a whole number of steps of both";
+}
+
 TEST_F(CliCompare, above_the_threshold_the_comparison_has_failed) {
     plain("a.exr", 0.5f);
     plain("b.exr", 0.6f);

@@ -67,9 +67,30 @@ TEST_F(CliErrors, an_unknown_integrator_is_refused_wherever_it_is_named) {
 
 TEST_F(CliErrors, what_a_scene_does_not_have_is_refused) {
     write("scene.json", sphere_scene());
-    expect_refused({at("scene.json"), "--camera", "back"}, BAD_INPUT, "'back'");
+    expect_refused({at("scene.json"), "--camera", "back"}, BAD_INPUT,
+                   "no camera 'back': the scene's cameras have no names");
+    write("named.json", with(sphere_scene(), R"("camera": {"from": [0, 0, 5], "at": [0, 0, 0], "fov": 30})",
+                             R"("cameras": {"front": {"from": [0, 0, 5]}})"));
+    expect_refused({at("named.json"), "--camera", "back"}, BAD_INPUT, "no camera 'back'; available: 'front'");
     expect_refused({at("scene.json"), "--crop", "20,0,25,4"}, BAD_INPUT, "24x16");
     expect_refused({at("scene.json"), "--check"}, BAD_INPUT, "\"expected\"");
+}
+
+// Every file of the data folder that its list calls negative.
+TEST_F(CliErrors, real_files_that_are_damaged_or_foreign_are_refused) {
+    std::ifstream list(data_folder / "MANIFEST.tsv");
+    if (!list) GTEST_SKIP() << "no " << data_folder / "MANIFEST.tsv";
+    std::size_t count = 0;
+    for (std::string row; std::getline(list, row);) {
+        if (row.find("NEGATIVE") == std::string::npos) continue;
+        const std::string file = row.substr(0, row.find('\t')), path = (data_folder / file).string();
+        SCOPED_TRACE(path);
+        ++count;
+        std::vector<std::string> arguments = {"info", path};
+        if (file.ends_with(".exr")) arguments.insert(arguments.end(), {"--heightmap", "8"});  // as a picture
+        expect_complaint(run(arguments), BAD_INPUT, std::filesystem::path(file).filename().string());
+    }
+    EXPECT_GE(count, 6u);
 }
 
 TEST_F(CliErrors, harmed_models_are_refused) {

@@ -272,5 +272,25 @@ TEST_F(CliTrace, wrong_rays_are_refused) {
     expect_complaint(run({"trace", at("none.json"), "--rays", at("rays.npy"), "-o", at("hits.npy")}), 1, "none.json");
 }
 
+TEST_F(CliTrace, heights_and_frames_are_chosen_as_for_a_picture) {
+    write("step.pgm", std::string("P5\n2 1\n255\n\x00\xff", 13));
+    // Down on both columns.
+    write("rays.npy", rays_npy({{{0.5f, 100, 0.5f}, 0, {0, -1, 0}, 1000}, {{1.5f, 100, 0.5f}, 0, {0, -1, 0}, 1000}}));
+    const auto hits = trace(at("step.pgm"), "bvh2", 2, {"--heightmap", "12"});
+    EXPECT_EQ(hits[0].t, 99.0f);
+    EXPECT_EQ(hits[1].t, 88.0f);
+    const std::vector<std::string> rays = {"--rays", at("rays.npy"), "-o", at("hits.npy")};
+    const auto refused = [&](std::vector<std::string> arguments, int code, const std::string& why) {
+        arguments.insert(arguments.begin(), "trace");
+        arguments.insert(arguments.end(), rays.begin(), rays.end());
+        expect_complaint(run(arguments), code, why);
+    };
+    refused({at("step.pgm")}, 1, "--heightmap");
+    refused({at("step.pgm"), "--heightmap", "nan"}, 2, "--heightmap");
+    refused({at("step.pgm"), "--heightmap", "12", "--frame", "1"}, 1, "no frames");
+    write("scene.json", R"({"version": 1})");
+    refused({at("scene.json"), "--frame", "1"}, 1, "chosen inside of a scene file");
+}
+
 }  // namespace
 }  // namespace spinel

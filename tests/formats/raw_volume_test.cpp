@@ -54,7 +54,7 @@ TEST_F(RawVolume, a_saved_volume_comes_back_to_the_bit) {
     grid.filter = Filter::nearest;
     scene.grids.push_back(grid);
     const auto path = folder / "a.svol";
-    const Result<void> saved = save_svol(scene, path);
+    const Result<Notes> saved = save_svol(scene, path);
     ASSERT_TRUE(saved) << saved.error().message;
     const Result<Scene> back = load_svol(path);
     ASSERT_TRUE(back) << back.error().message;

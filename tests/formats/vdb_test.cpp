@@ -130,6 +130,42 @@ TEST_F(Vdb, damaged_files_are_refused) {
     for (std::size_t sixteenth = 0; sixteenth < 16; ++sixteenth)
         expect_refused(load_vdb(write("cut.vdb", good.substr(0, good.size() * sixteenth / 16)), {}),
                        folder / "cut.vdb");
+    for (const std::size_t missing : {1u, 2u, 3u, 8u, 100u})
+        expect_refused(load_vdb(write("cut.vdb", good.substr(0, good.size() - missing)), {}), folder / "cut.vdb",
+                       "cut off");
+}
+
+// Such a file does not tell where its grids end; it is read all the same, and found out all the same if it is cut off.
+TEST_F(Vdb, files_written_as_streams_are_read) {
+    const auto tree = build_voxel_tree({40, 40, 40}, {[](ivec3 c) { return std::uint16_t(c.x % 3); }, {}});
+    const auto path = folder / "good.vdb";
+    ASSERT_TRUE(save_vdb(scene_of(*tree, 2), path));
+    std::string bytes = bytes_of(path);
+    ASSERT_EQ(bytes[20], 1);
+    bytes[20] = 0;
+    const Result<Scene> scene = load_vdb(write("stream.vdb", bytes), {});
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(std::get<VoxelGeometry>(scene->geometries[0].data).tree->voxel_count(), (*tree)->voxel_count());
+    for (const std::size_t missing : {1u, 8u, 100u, 1000u})
+        expect_refused(load_vdb(write("cut.vdb", bytes.substr(0, bytes.size() - missing)), {}), folder / "cut.vdb",
+                       "cut off");
+}
+
+TEST_F(Vdb, lies_in_what_a_file_lists_are_refused_or_harmless) {
+    const auto tree = build_voxel_tree({9, 9, 9}, {[](ivec3 c) { return std::uint16_t(c.x % 3); }, {}});
+    const auto path = folder / "good.vdb";
+    ASSERT_TRUE(save_vdb(scene_of(*tree, 2), path));
+    const std::string good = bytes_of(path);
+    const std::size_t end = good.find("AffineMap");  // behind the metadata
+    ASSERT_LT(end, good.size());
+    for (std::size_t at = 0; at < end; at += at < 200 ? 5 : 41)
+        for (const std::uint32_t lie : {0xffffffffu, 0x7fffffffu, 0x00ffffffu, 0u}) {
+            std::string bytes = good;
+            bytes.replace(at, 4, raw(lie));
+            const Result<Scene> scene = load_vdb(write("lie.vdb", bytes), {});
+            if (!scene) expect_refused(scene, folder / "lie.vdb");
+            else EXPECT_TRUE(validate(*scene)) << at;
+        }
 }
 
 }  // namespace

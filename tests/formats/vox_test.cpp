@@ -9,6 +9,7 @@
 #include "formats/vox_file.h"
 #include "formats/vox_material.h"
 #include "formats/vox_writer.h"
+#include "image/palette.h"
 #include "image/tone_map.h"
 #include "kernels/materials.h"
 #include "scene/material_registry.h"
@@ -415,7 +416,7 @@ TEST_F(Vox, what_is_written_is_read_back_the_same) {
     ASSERT_TRUE(validate(scene)) << validate(scene).error().message;
 
     const auto path = folder / "a.vox";
-    const Result<void> saved = save_vox(scene, path);
+    const Result<Notes> saved = save_vox(scene, path);
     ASSERT_TRUE(saved) << saved.error().message;
     const Result<Scene> back = load_vox(path);
     ASSERT_TRUE(back) << back.error().message;
@@ -464,6 +465,99 @@ TEST_F(Vox, what_is_written_is_read_back_the_same) {
     EXPECT_EQ(differences, 0);
 }
 
+// A row of voxels, each with a diffuse material of its own that `change` may alter.
+template <class Change>
+Scene many_materials(int count, const Change& change) {
+    Scene scene;
+    std::vector<VoxelPoint> points;
+    Object object;
+    object.name = "one";
+    object.geometry = 0;
+    for (int i = 0; i < count; ++i) {
+        kernels::Material material = default_material(kernels::MATERIAL_DIFFUSE);
+        material.color = vec3(float(i % 100) / 100, float(i / 100) / 10, 0.5f);
+        change(i, material);
+        scene.materials.push_back({"m" + std::to_string(i), material});
+        object.materials.push_back(i);
+        points.push_back({{i, 0, 0}, std::uint16_t(i + 1)});
+    }
+    scene.geometries.push_back({"many", VoxelGeometry{*build_voxel_tree({count, 1, 1}, points)}});
+    scene.objects.push_back(object);
+    return scene;
+}
+
+TEST_F(Vox, more_colours_than_a_palette_has_are_drawn_together) {
+    // 900 colours of two sorts, which stay apart: the metals, few of them, keep theirs.
+    const Scene scene = many_materials(900, [](int i, kernels::Material& m) {
+        if (i % 100 != 7) return;
+        m = default_material(kernels::MATERIAL_METAL);
+        m.color = vec3(0.9f, float(i) / 900, 0.2f);
+    });
+    const auto path = folder / "a.vox";
+    const Result<Notes> saved = save_vox(scene, path);
+    ASSERT_TRUE(saved) << saved.error().message;
+    ASSERT_EQ(saved->size(), 1u);
+    EXPECT_EQ(saved->front(), "what the format has no words for is left out or changed: 900 colours as 255");
+    const Result<Scene> back = load_vox(path);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_LE(back->materials.size(), 255u);
+    EXPECT_GE(back->materials.size(), 250u);
+    std::map<int, kernels::Material> read;  // by the place in the row
+    for (const Object& object : back->objects)
+        std::get<VoxelGeometry>(back->geometries[std::size_t(object.geometry)].data)
+            .tree->for_each([&](ivec3 cell, std::uint16_t palette) {
+                const vec3 at = object.transform * vec4(vec3(cell) + 0.5f, 1);
+                const auto slot = object.materials.size() == 1 ? 0u : palette - 1u;
+                read[int(std::floor(at.x))] = back->materials[std::size_t(object.materials[slot])].values;
+            });
+    ASSERT_EQ(read.size(), 900u);
+    const int first = read.begin()->first;
+    for (int i = 0; i < 900; ++i) {
+        const kernels::Material &meant = scene.materials[std::size_t(i)].values, &got = read.at(first + i);
+        EXPECT_EQ(got.kind, meant.kind) << i;
+        const vec3 apart = oklab_of_linear(got.color) - oklab_of_linear(meant.color);
+        EXPECT_LT(glm::length(apart), 0.06f) << i;
+    }
+}
+
+TEST_F(Vox, what_a_file_has_no_words_for_is_told_in_one_sentence) {
+    Scene scene = many_materials(6, [](int i, kernels::Material& m) {
+        if (i == 1) m.roughness = 0.7f;  // of a diffuse surface
+        if (i == 2 || i == 3) {
+            m = default_material(kernels::MATERIAL_METAL);
+            m.emission = vec3(3, 2, 1);  // what glows is diffuse
+            m.color = vec3(1);
+        }
+        if (i == 4) m.opacity = 0.5f;
+        if (i == 5) {
+            m = default_material(kernels::MATERIAL_METAL);  // of gold: kept as a colour
+            m.eta = vec3(0.18f, 0.42f, 1.37f);
+            m.k = vec3(3.4f, 2.35f, 1.77f);
+        }
+    });
+    scene.lights.push_back({"lamp", PointLight{}});
+    const Result<Notes> saved = save_vox(scene, folder / "a.vox");
+    ASSERT_TRUE(saved) << saved.error().message;
+    ASSERT_EQ(saved->size(), 1u);
+    const std::string& note = saved->front();
+    for (const char* part :
+         {"metal → diffuse of 2 materials", "roughness of 3 materials", "opacity of 1 material", ", lights"})
+        EXPECT_NE(note.find(part), std::string::npos) << part << " is not in: " << note;
+    for (const char* part : {" eta", "textures", "colours", "environment", "\n"})
+        EXPECT_EQ(note.find(part), std::string::npos) << part << " is in: " << note;
+    const Result<Scene> back = load_vox(folder / "a.vox");
+    ASSERT_TRUE(back);
+    bool golden = false;
+    for (const Material& m : back->materials)
+        golden |= m.values.kind == kernels::MATERIAL_METAL && m.values.color.x > 0.9f && m.values.color.z < 0.5f;
+    EXPECT_TRUE(golden);
+
+    const Scene plain = many_materials(3, [](int, kernels::Material&) {});
+    const Result<Notes> whole = save_vox(plain, folder / "b.vox");
+    ASSERT_TRUE(whole);
+    EXPECT_TRUE(whole->empty()) << whole->front();
+}
+
 TEST_F(Vox, what_a_file_cannot_hold_is_not_written) {
     const auto refused = [&](const Scene& scene, const std::string& why) {
         expect_refused(save_vox(scene, folder / "a.vox"), folder / "a.vox", why);
@@ -471,20 +565,12 @@ TEST_F(Vox, what_a_file_cannot_hold_is_not_written) {
     };
     Scene scene;
     refused(scene, "no object");
-    for (int i = 0; i < 300; ++i) {
-        kernels::Material material = default_material(kernels::MATERIAL_DIFFUSE);
-        material.color = vec3(float(i % 100) / 100, float(i / 100) / 10, 0.5f);
-        scene.materials.push_back({"m" + std::to_string(i), material});
-    }
-    std::vector<VoxelPoint> points;
-    for (int i = 0; i < 300; ++i) points.push_back({{i, 0, 0}, std::uint16_t(i + 1)});
-    scene.geometries.push_back({"many", VoxelGeometry{*build_voxel_tree({300, 1, 1}, points)}});
-    Object object;
-    object.name = "one";
-    object.geometry = 0;
-    for (int i = 0; i < 300; ++i) object.materials.push_back(i);
-    scene.objects.push_back(object);
-    refused(scene, "more than the 255 colours");
+    // Each with a roughness of its own, which no colour can stand for.
+    scene = many_materials(300, [](int i, kernels::Material& m) {
+        m.kind = kernels::MATERIAL_PLASTIC;
+        m.roughness = float(i) / 300;
+    });
+    refused(scene, "300 sorts that differ in more than colour");
     scene.objects[0].materials = {0};
     scene.objects[0].transform[0] = vec3(0.8f, 0.6f, 0);
     refused(scene, "lattice");
@@ -502,7 +588,7 @@ TEST_F(Vox, every_real_file_survives_being_written) {
                              "vox/bevy/study.vox", "vox/kluchek/red_booth_transparency.vox", "vox/dot_vox/axes.vox"}) {
         const Result<Scene> scene = load_vox(data_folder / file);
         ASSERT_TRUE(scene) << scene.error().message;
-        const Result<void> saved = save_vox(*scene, folder / "a.vox");
+        const Result<Notes> saved = save_vox(*scene, folder / "a.vox");
         ASSERT_TRUE(saved) << file << ": " << saved.error().message;
         const Result<Scene> back = load_vox(folder / "a.vox");
         ASSERT_TRUE(back) << file << ": " << back.error().message;

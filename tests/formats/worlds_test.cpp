@@ -310,8 +310,8 @@ TEST_F(Terrain, heights_of_a_tile_are_true_to_scale) {
 
     const Result<Scene> steep = load_hgt(folder / "N00E006.hgt", {.frame = {}, .heightmap = 90.0f});
     const auto& voxels = std::get<VoxelGeometry>(valid_scene(steep).geometries[0].data);
-    EXPECT_EQ(voxels.tree->size(), ivec3(3, 91, 3));
-    EXPECT_NE(voxels.tree->at({1, 90, 1}), 0);
+    EXPECT_EQ(voxels.tree->size(), ivec3(3, 90, 3));
+    EXPECT_NE(voxels.tree->at({1, 89, 1}), 0);
     EXPECT_NE(voxels.tree->at({1, 1, 1}), 0);  // the slope is closed down to its neighbours
     EXPECT_EQ(voxels.tree->at({0, 1, 0}), 0);
     EXPECT_NE(voxels.tree->at({0, 0, 0}), 0);
@@ -324,7 +324,7 @@ TEST_F(Terrain, pictures_are_heightmaps_when_they_are_asked_to_be) {
     const auto path = folder / "a.exr";
     ASSERT_TRUE(write_image(path, {{{"Y"}, image}}));
     expect_refused(load_model(path), path, "--heightmap");
-    const Result<Scene> scene = load_model(path, {.frame = {}, .heightmap = 8.0f});
+    const Result<Scene> scene = load_model(path, {.frame = {}, .heightmap = 9.0f});
     const auto& tree = *std::get<VoxelGeometry>(valid_scene(scene).geometries[0].data).tree;
     EXPECT_EQ(tree.size(), ivec3(4, 9, 2));
     for (int x = 0; x < 4; ++x) {
@@ -332,6 +332,8 @@ TEST_F(Terrain, pictures_are_heightmaps_when_they_are_asked_to_be) {
         EXPECT_NE(tree.at({x, top, 0}), 0) << x;  // row 0 is north
         EXPECT_EQ(tree.at({x, top + 1, 0}), 0) << x;
     }
+    const Result<Scene> flat = load_model(path, {.frame = {}, .heightmap = 1.0f});
+    EXPECT_EQ(std::get<VoxelGeometry>(valid_scene(flat).geometries[0].data).tree->size(), ivec3(4, 1, 2));
     const auto vox = write("a.mts", "");
     expect_refused(load_model(vox, {.frame = {}, .heightmap = 8.0f}), vox, "no heights");
     expect_refused(load_model(vox, {.frame = 1, .heightmap = {}}), vox, "no frames");

@@ -104,6 +104,21 @@ TEST_F(ImageIo, exr_keeps_floats_to_the_last_bit_beside_layers) {
     EXPECT_NE(bytes_of(path).find("spinel:seed"), std::string::npos);
 }
 
+TEST_F(ImageIo, integers_of_16_bits_are_fractions_that_are_encoded) {
+    std::ofstream(folder / "a.ppm", std::ios::binary)
+        << "P6\n2 1\n65535\n" + std::string("\x00\x00\x12\x34\x80\x00\xff\xff\x00\x01\x99\x99", 12);
+    const Result<PixelBuffer> pixels = read_pixels(folder / "a.ppm");
+    ASSERT_TRUE(pixels) << pixels.error().message;
+    EXPECT_TRUE(pixels->encoded);
+    const auto& values = std::get<std::vector<float>>(pixels->data);
+    const float expected[] = {0, 0x1234, 0x8000, 0xffff, 1, 0x9999};
+    ASSERT_EQ(values.size(), std::size(expected));
+    for (std::size_t i = 0; i < values.size(); ++i)
+        EXPECT_NEAR(values[i], expected[i] / 65535, 2e-5f) << i;  // a step of 16 bits
+    ASSERT_TRUE(write_image(folder / "a.exr", {{{"Y"}, Image{1, 1, 1, {0.5f}}}}));
+    EXPECT_FALSE(read_pixels(folder / "a.exr")->encoded);
+}
+
 TEST_F(ImageIo, half_planes_are_rounded_to_half) {
     const Image image{2, 1, 1, {1.0f / 3.0f, 65504.0f}};
     ASSERT_TRUE(write_image(folder / "a.exr", {{{"Y"}, image, true}}));

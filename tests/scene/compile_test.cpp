@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/pool.h"
 #include "kernels/materials.h"
 #include "scene/compiled_scene.h"
 #include "scene/material_registry.h"
@@ -45,6 +46,27 @@ TEST(Compile, a_mesh_takes_room_for_the_attributes_that_it_has_only) {
     EXPECT_EQ(meshes[2].color_first, 0u);
     ASSERT_EQ(compiled->uvs.size(), 6u);
     EXPECT_EQ(compiled->uvs[4], vec2(3, 0));
+}
+
+TEST(Compile, pools_end_where_32_bit_indices_do) {
+    std::vector<int> pool = {1, 2};
+    const Result<std::uint32_t> first = append_pool(pool, std::vector<int>{3, 4}, "things");
+    ASSERT_TRUE(first);
+    EXPECT_EQ(*first, 2u);
+    EXPECT_EQ(pool, (std::vector<int>{1, 2, 3, 4}));
+
+    ASSERT_TRUE(pool_place(max_pool - 1, 1, "things"));
+    EXPECT_EQ(*pool_place(max_pool, 0, "things"), 0xffffffffu);
+    for (const auto& [size, more] : {std::pair<std::size_t, std::size_t>{max_pool, 1},
+                                     {max_pool + 1, 0},
+                                     {1, max_pool},
+                                     {2, ~std::size_t(0)},
+                                     {0, std::size_t(1) << 40}}) {
+        const Result<std::uint32_t> place = pool_place(size, more, "nodes of voxels");
+        ASSERT_FALSE(place) << size << " + " << more;
+        EXPECT_EQ(place.error().message,
+                  "the scene needs more than the 4294967295 nodes of voxels that can be addressed");
+    }
 }
 
 }  // namespace

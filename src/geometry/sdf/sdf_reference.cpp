@@ -60,20 +60,21 @@ dvec3 rotate(dvec3 axis, double angle, dvec3 p) {
 
 // The union of all copies; where there is no end of them, of five cells about the point.
 double repeat(const SdfNode& child, const std::vector<float>& n, dvec3 p) {
-    double first[3], last[3];  // cell indices
+    dvec3 first(0);  // cell; half a cell where the count is even
+    int count[3] = {1, 1, 1};
     for (int axis = 0; axis < 3; axis++) {
-        first[axis] = last[axis] = 0;
         if (n[axis] == 0) continue;
-        double middle = std::round(p[axis] / n[axis]);
-        bool endless = n[3 + axis] == 0;
-        first[axis] = endless ? middle - 2 : -0.5 * (n[3 + axis] - 1);
-        last[axis] = endless ? middle + 2 : 0.5 * (n[3 + axis] - 1);
+        const bool endless = n[3 + axis] == 0;
+        count[axis] = endless ? 5 : int(n[3 + axis]);
+        first[axis] = endless ? std::round(p[axis] / n[axis]) - 2 : -0.5 * (n[3 + axis] - 1);
     }
     double nearest = std::numeric_limits<double>::infinity();
-    for (double i = first[0]; i <= last[0]; i++)
-        for (double j = first[1]; j <= last[1]; j++)
-            for (double k = first[2]; k <= last[2]; k++)
-                nearest = std::min(nearest, sdf_reference(child, p - dvec3(i, j, k) * dvec3(n[0], n[1], n[2])));
+    for (int i = 0; i < count[0]; i++)
+        for (int j = 0; j < count[1]; j++)
+            for (int k = 0; k < count[2]; k++) {
+                const dvec3 cell = first + dvec3(i, j, k);
+                nearest = std::min(nearest, sdf_reference(child, p - cell * dvec3(n[0], n[1], n[2])));
+            }
     return nearest;
 }
 

@@ -65,7 +65,7 @@ class Sharing {
     // A node with everything under it in the new arrays. Equal subtrees become equal nodes.
     VoxelNode translated(const VoxelNode& node) {
         const std::uint32_t kind = node.link & kernels::VOXEL_LINK_KIND, at = node.link & ~kernels::VOXEL_LINK_KIND;
-        const auto count = std::size_t(std::popcount(node.mask_low) + std::popcount(node.mask_high));
+        const auto count = std::size_t(std::popcount(node.mask_low | std::uint64_t(node.mask_high) << 32));
         if (count == 0 || kind == kernels::VOXEL_LINK_SOLID) return node;
         if (kind == kernels::VOXEL_LINK_CHILDREN) {
             std::array<std::uint32_t, 64> row;

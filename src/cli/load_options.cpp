@@ -1,0 +1,19 @@
+#include "cli/load_options.h"
+
+namespace spinel::cli {
+
+void add_load_options(CLI::App& app, LoadOptions& options) {
+    app.add_option("--frame", options.frame, "of an animated model, from 0 (default: the first)")
+        ->check(CLI::Range(0, 1 << 20));
+    app.add_option("--heightmap", options.heightmap,
+                   "picture or .hgt as terrain: so many voxels from black to white, or from the lowest to the highest")
+        ->check(finite_number())
+        ->check(CLI::Range(1.0, 65536.0));
+}
+
+Result<Scene> load_bare(const std::string& file, const LoadOptions& options) {
+    const bool is_scene = std::filesystem::path(file).extension() == ".json";
+    return is_scene ? load_scene(file, {0, 0}, options) : load_model(file, options);
+}
+
+}  // namespace spinel::cli
