@@ -171,6 +171,7 @@ struct ShapeBuilder {
         kernels::VoxelGrid grid = append_voxels(tree, c.out.voxel_nodes, c.out.words);
         append_shapes(voxels, grid, c.out.floats);
         if (voxels.outlines) append_outlines(*voxels.outlines, grid, c.out.floats);
+        if (const Result<uint> end = pool_place(c.out.floats.size(), 0, NUMBERS); !end) return fail(end.error());
         c.out.voxel_grids.push_back(grid);
         shape.upper = vec3(tree.size());
         return shape;
@@ -195,6 +196,7 @@ struct ShapeBuilder {
         Result<kernels::VoxelGrid> grid = append_sdf_voxels(voxels, data->sdf, *sdf, c.out.floats);
         if (!grid) return Error{fmt::format("geometry '{}' {}", name, grid.error().message)};
         if (voxels.outlines) append_outlines(*voxels.outlines, *grid, c.out.floats);
+        if (const Result<uint> end = pool_place(c.out.floats.size(), 0, NUMBERS); !end) return fail(end.error());
         Shape shape;
         shape.kind = kernels::GEOMETRY_VOXELS;
         shape.index = uint(c.out.voxel_grids.size());
