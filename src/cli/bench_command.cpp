@@ -138,7 +138,9 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     }
     scene->film.size = {o.size, o.size};
     if (scene->cameras.empty()) fit_camera(*scene);
-    if (scene->cameras.empty()) return Error{fmt::format("{}: there is nothing to look at", o.input)};
+    if (scene->cameras.empty())
+        return Error{fmt::format("{}: there is nothing that a camera could be fitted to",
+                                 o.voxels.empty() ? o.input : o.voxels)};
     scene->cameras.resize(1);
     const auto start = std::chrono::steady_clock::now();
     const Result<CompiledScene> compiled = compile(*scene);

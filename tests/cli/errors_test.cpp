@@ -196,7 +196,7 @@ TEST_F(CliErrors, wrong_usage_exits_with_2) {
         expect_refused(arguments, USAGE, "");
     }
     expect_complaint(run({"render", scene}), USAGE, "--output is required");
-    expect_complaint(run({}), USAGE, "available: render, info, list, trace, compare, convert, generate");
+    expect_complaint(run({}), USAGE, "available: render, info, list, trace, bench, compare, convert, generate");
     expect_complaint(run({"paint"}), USAGE, "unknown subcommand 'paint'");
     expect_complaint(run({"--frobnicate"}), USAGE, "");
     expect_complaint(run({"info"}), USAGE, "FILE");

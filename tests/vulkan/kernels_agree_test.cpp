@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Kind{"phase", kernels::CASE_PHASE, 3e-3f}, Kind{"noise", kernels::CASE_NOISE, 1e-4f},
                     Kind{"density", kernels::CASE_DENSITY, 1e-4f}, Kind{"sky", kernels::CASE_SKY, 1e-3f, 1000},
                     Kind{"sdf", kernels::CASE_SDF, 1e-3f}, Kind{"voxels", kernels::CASE_VOXELS, 1e-4f},
-                    Kind{"scene", kernels::CASE_SCENE, 1e-4f},
+                    Kind{"scene", kernels::CASE_SCENE, 1e-4f}, Kind{"occluded", kernels::CASE_OCCLUDED, 0.0f},
                     Kind{"transmittance", kernels::CASE_TRANSMITTANCE, 1e-4f}),
     name_of);
 INSTANTIATE_TEST_SUITE_P(Materials, KernelsAgree, testing::ValuesIn(materials), name_of);
