@@ -73,6 +73,34 @@ struct PacketNode {
     unsigned lanes;
 };
 
+// A node at a place for the rays in `active`: its planes, and those of its children that a ray may visit between
+// `enter` and `exit`. Its children are `edge` cells wide.
+void open_node(const kernels::VoxelNode& node, glm::ivec3 lower, int edge, const PacketAxis axes[3], std::uint32_t flip,
+               unsigned active, __m256 enter, __m256 exit, PacketNode& n) {
+    n.mask = node.mask_low | std::uint64_t(node.mask_high) << 32;
+    n.link = node.link;
+    n.lower = lower;
+    n.lanes = active;
+    std::uint64_t range = ~std::uint64_t(0);
+    // Children beyond plane p (bits), and before it.
+    constexpr std::uint64_t beyond[3][3] = {{0xeeeeeeeeeeeeeeeeu, 0xccccccccccccccccu, 0x8888888888888888u},
+                                            {0xfff0fff0fff0fff0u, 0xff00ff00ff00ff00u, 0xf000f000f000f000u},
+                                            {0xffffffffffff0000u, 0xffffffff00000000u, 0xffff000000000000u}};
+    for (int a = 0; a < 3; ++a) {
+        const bool negative = axes[a].negative;
+        const int first = lower[a] + (negative ? 4 * edge : 0), step = negative ? -edge : edge;
+        for (int p = 0; p < 5; ++p) n.t[a][p] = plane_t(axes[a], first + p * step);
+        for (int p = 1; p < 4; ++p) {
+            const auto passed = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(n.t[a][p], enter, _CMP_LT_OQ)));
+            const auto later = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(n.t[a][p], exit, _CMP_GT_OQ)));
+            // Without branches: they would be taken by chance.
+            range &= beyond[a][p - 1] | (std::uint64_t(0) - std::uint64_t((passed & active) != active));
+            range &= ~beyond[a][p - 1] | (std::uint64_t(0) - std::uint64_t((later & active) != active));
+        }
+    }
+    n.todo = mirrored(n.mask, flip) & range;
+}
+
 // Of planes met together, z counts as met last.
 __m256i last_axis(__m256 x, __m256 y, __m256 z) {
     const __m256i one = _mm256_set1_epi32(1);
@@ -110,6 +138,23 @@ void transpose(__m256 a, __m256 b, __m256 c, __m256 d, __m128 row[packet_size]) 
         row[i] = _mm256_castps256_ps128(rows[i]);
         row[i + 4] = _mm256_extractf128_ps(rows[i], 1);
     }
+}
+
+// Four columns of rays' members from `at` on.
+void load_columns(const float* at, __m256 column[4]) {
+    constexpr int stride = sizeof(kernels::Ray) / sizeof(float);
+    static_assert(sizeof(kernels::Ray) == 8 * sizeof(float));
+    const auto pair = [&](int i) {
+        return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at + i * stride)),
+                                    _mm_loadu_ps(at + (i + 4) * stride), 1);
+    };
+    const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
+    const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b);
+    const __m256 cd_low = _mm256_unpacklo_ps(c, d), cd_high = _mm256_unpackhi_ps(c, d);
+    column[0] = _mm256_shuffle_ps(ab_low, cd_low, _MM_SHUFFLE(1, 0, 1, 0));
+    column[1] = _mm256_shuffle_ps(ab_low, cd_low, _MM_SHUFFLE(3, 2, 3, 2));
+    column[2] = _mm256_shuffle_ps(ab_high, cd_high, _MM_SHUFFLE(1, 0, 1, 0));
+    column[3] = _mm256_shuffle_ps(ab_high, cd_high, _MM_SHUFFLE(3, 2, 3, 2));
 }
 
 // A cube that rays hit: where, on which axis' face, which cube, and of what.
@@ -208,27 +253,9 @@ unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid
         return found;
     };
 
-    // Turn the rays into columns: origin and t_min, direction and t_max.
-    __m256 o[4], d[4];
-    {
-        const auto load = [&](const float* at, __m256 out[4]) {
-            constexpr int stride = sizeof(Ray) / sizeof(float);
-            const auto pair = [&](int i) {
-                return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at + i * stride)),
-                                            _mm_loadu_ps(at + (i + 4) * stride), 1);
-            };
-            const __m256 a = pair(0), b = pair(1), c = pair(2), e = pair(3);
-            const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b);
-            const __m256 ce_low = _mm256_unpacklo_ps(c, e), ce_high = _mm256_unpackhi_ps(c, e);
-            out[0] = _mm256_shuffle_ps(ab_low, ce_low, _MM_SHUFFLE(1, 0, 1, 0));
-            out[1] = _mm256_shuffle_ps(ab_low, ce_low, _MM_SHUFFLE(3, 2, 3, 2));
-            out[2] = _mm256_shuffle_ps(ab_high, ce_high, _MM_SHUFFLE(1, 0, 1, 0));
-            out[3] = _mm256_shuffle_ps(ab_high, ce_high, _MM_SHUFFLE(3, 2, 3, 2));
-        };
-        static_assert(sizeof(Ray) == 8 * sizeof(float));
-        load(&rays[0].origin.x, o);
-        load(&rays[0].direction.x, d);
-    }
+    __m256 o[4], d[4];  // origins and t_min, directions and t_max
+    load_columns(&rays[0].origin.x, o);
+    load_columns(&rays[0].direction.x, d);
     alignas(32) float limits[packet_size];
     for (int i = 0; i < packet_size; ++i) limits[i] = lanes >> i & 1 ? hits[i].t : -INFINITE;
     const __m256 limit = _mm256_load_ps(limits);
@@ -268,34 +295,7 @@ unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid
     const VoxelNode* const nodes = scene.voxel_nodes.at + grid.node_first;
     const uint* const references = grid.reference_first == NONE ? nullptr : scene.words.at + grid.reference_first;
 
-    // Opens a node: its planes, and those of its children that a ray may visit between `enter` and `leave`.
-    const auto open = [&](const VoxelNode& node, ivec3 lower, unsigned active, __m256 enter, __m256 exit) {
-        PacketNode& n = stack[level];
-        n.mask = node.mask_low | std::uint64_t(node.mask_high) << 32;
-        n.link = node.link;
-        n.lower = lower;
-        n.lanes = active;
-        const int edge = 1 << (2 * level);
-        std::uint64_t range = ~std::uint64_t(0);
-        // Children beyond plane p (bits), and before it.
-        constexpr std::uint64_t beyond[3][3] = {{0xeeeeeeeeeeeeeeeeu, 0xccccccccccccccccu, 0x8888888888888888u},
-                                                {0xfff0fff0fff0fff0u, 0xff00ff00ff00ff00u, 0xf000f000f000f000u},
-                                                {0xffffffffffff0000u, 0xffffffff00000000u, 0xffff000000000000u}};
-        for (int a = 0; a < 3; ++a) {
-            const bool negative = axes[a].negative;
-            const int first = lower[a] + (negative ? 4 * edge : 0), step = negative ? -edge : edge;
-            for (int p = 0; p < 5; ++p) n.t[a][p] = plane_t(axes[a], first + p * step);
-            for (int p = 1; p < 4; ++p) {
-                const auto passed = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(n.t[a][p], enter, _CMP_LT_OQ)));
-                const auto later = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(n.t[a][p], exit, _CMP_GT_OQ)));
-                // Without branches: they would be taken by chance.
-                range &= beyond[a][p - 1] | (std::uint64_t(0) - std::uint64_t((passed & active) != active));
-                range &= ~beyond[a][p - 1] | (std::uint64_t(0) - std::uint64_t((later & active) != active));
-            }
-        }
-        n.todo = mirrored(n.mask, flip) & range;
-    };
-    open(grid.root, ivec3(0), alive, start, leave);
+    open_node(grid.root, ivec3(0), 1 << (2 * level), axes, flip, alive, start, leave, stack[level]);
 
     unsigned found = 0, single = 0;
     for (;;) {
@@ -324,8 +324,8 @@ unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid
         if ((n.link & VOXEL_LINK_KIND) == VOXEL_LINK_CHILDREN) {
             const uint at = n.link + rank;
             --level;
-            open(nodes[references ? references[at] : at], lower, visiting, _mm256_max_ps(in, start),
-                 _mm256_min_ps(out, leave));
+            open_node(nodes[references ? references[at] : at], lower, 1 << (2 * level), axes, flip, visiting,
+                      _mm256_max_ps(in, start), _mm256_min_ps(out, leave), stack[level]);
             continue;
         }
         const VoxelNode plain(uint(n.mask), uint(n.mask >> 32), n.link);
