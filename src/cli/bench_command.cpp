@@ -90,13 +90,16 @@ void measure(const std::string& subject, const std::vector<BenchStructure>& stru
     }
 }
 
-// The instance and the tree of the scene's set of voxels, if it is made of one alone.
-const VoxelGeometry* only_voxels(const Scene& scene, const CompiledScene& compiled) {
+// The set of voxels that the scene shows, if it is one alone; and its first instance.
+const VoxelGeometry* only_voxels(const Scene& scene, const CompiledScene& compiled, kernels::uint& instance) {
     if (compiled.voxel_grids.size() != 1 || compiled.voxel_grids[0].walk != kernels::VOXEL_WALK_TREE) return nullptr;
-    const VoxelGeometry* found = nullptr;
-    for (const Geometry& geometry : scene.geometries)
-        if (const auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) found = voxels;
-    return found && found->level_of_detail == 0 ? found : nullptr;
+    const auto shown =
+        std::find_if(compiled.instances.begin(), compiled.instances.end(),
+                     [](const kernels::Instance& i) { return i.geometry_kind == kernels::GEOMETRY_VOXELS; });
+    instance = kernels::uint(shown - compiled.instances.begin());
+    const int geometry = scene.objects[instance].geometry;  // an instance for each object
+    const auto* voxels = std::get_if<VoxelGeometry>(&scene.geometries[std::size_t(geometry)].data);
+    return voxels && voxels->level_of_detail == 0 ? voxels : nullptr;
 }
 
 void print(const Options& o, const CommonOptions& common, const std::vector<Row>& rows) {
@@ -122,6 +125,7 @@ void print(const Options& o, const CommonOptions& common, const std::vector<Row>
 }
 
 Result<int> run(const Options& o, const CommonOptions& common) {
+    const std::string& name = o.voxels.empty() ? o.input : o.voxels;
     LoadOptions as_voxels;
     as_voxels.voxels = true;
     const bool is_scene = std::filesystem::path(o.input).extension() == ".json";
@@ -139,12 +143,11 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     scene->film.size = {o.size, o.size};
     if (scene->cameras.empty()) fit_camera(*scene);
     if (scene->cameras.empty())
-        return Error{fmt::format("{}: there is nothing that a camera could be fitted to",
-                                 o.voxels.empty() ? o.input : o.voxels)};
+        return Error{fmt::format("{}: there is nothing that a camera could be fitted to", name)};
     scene->cameras.resize(1);
     const auto start = std::chrono::steady_clock::now();
     const Result<CompiledScene> compiled = compile(*scene);
-    if (!compiled) return Error{fmt::format("{}: {}", o.input, compiled.error().message)};
+    if (!compiled) return Error{fmt::format("{}: {}", name, compiled.error().message)};
     const double build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     std::vector<Row> rows;
@@ -155,11 +158,8 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         measure("scene", structures, "diffuse", rays.diffuse, false, o.repeats, rows);
         measure("scene", structures, "shadow", rays.shadow, true, o.repeats, rows);
     }
-    if (const VoxelGeometry* voxels = only_voxels(*scene, *compiled)) {
-        const auto shown =
-            std::find_if(compiled->instances.begin(), compiled->instances.end(),
-                         [](const kernels::Instance& i) { return i.geometry_kind == kernels::GEOMETRY_VOXELS; });
-        const auto instance = kernels::uint(shown - compiled->instances.begin());
+    kernels::uint instance = 0;
+    if (const VoxelGeometry* voxels = only_voxels(*scene, *compiled, instance)) {
         const BenchRays rays = voxel_rays(compiled->view(), instance, o.size);
         const std::vector<BenchStructure> structures = voxel_structures(*compiled, instance, *voxels->tree);
         measure("voxels", structures, "primary", rays.primary, false, o.repeats, rows);

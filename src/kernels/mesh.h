@@ -40,7 +40,7 @@ FN void mesh_closest(const_in(SceneView) scene, uint mesh, Ray ray, inout(Hit) h
         bool found = false;
         while (stack_size > 0u && !found) {
             --stack_size;
-            found = stack.enter[stack_size] < best.t;
+            found = bvh_still_entered(stack.enter[stack_size], best.t);
             entry = stack.entry[stack_size];
         }
         if (!found) break;

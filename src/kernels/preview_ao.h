@@ -30,7 +30,7 @@ FN float voxel_neighbour_light(const_in(SceneView) scene, const_in(Hit) hit) {
     RECORD(Instance) instance = scene.instances.at[hit.instance];
     RECORD(VoxelGrid) grid = scene.voxel_grids.at[instance.geometry];
     uint slots = instance.slot_first;
-    int axis = int(hit.face >> 1u);
+    int axis = int((hit.face >> 1u) & 3u);
     ivec3 front = hit.cell;
     front[axis] += (hit.face & 1u) != 0u ? 1 : -1;
     ivec3 u = ivec3(0);

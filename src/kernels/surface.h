@@ -37,6 +37,8 @@ FN vec3 rotate_normal(const_in(Instance) instance, vec3 n) { return n * mat3(ins
 
 // Which of two voxels that are not opaque lends its material to the face between them, whatever side a ray comes from.
 FN bool voxel_owns(const_in(SceneView) scene, uint slot_first, uint palette, uint other) {
+    if (voxel_class(scene, slot_first, other) == VOXEL_AIR) return true;  // a slot of nothing is no neighbour
+    if (voxel_class(scene, slot_first, palette) == VOXEL_AIR) return false;
     uint a = scene.slots.at[slot_first + palette - 1u].interior;
     uint b = scene.slots.at[slot_first + other - 1u].interior;
     if (a == NONE || b == NONE) return a == NONE;

@@ -116,7 +116,7 @@ FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
             bool found = false;
             while (stack_size > 0u && !found) {
                 --stack_size;
-                found = stack.enter[stack_size] <= hit.t;
+                found = bvh_still_entered(stack.enter[stack_size], hit.t);
                 entry = stack.entry[stack_size];
             }
             if (!found) break;

@@ -50,11 +50,12 @@ FN bool voxel_holds(const_in(SceneView) scene, const_in(VoxelGrid) grid, const_i
     return true;
 }
 
-// Palette index at a point, 0 in the air beside a shape.
+// Palette index at a point, 0 in the air: beside a shape, or where a slot holds nothing.
 FN uint voxel_at_point(const_in(SceneView) scene, const_in(VoxelGrid) grid, uint slot_first, vec3 p) {
     ivec3 cell = ivec3(floor(p));
     uint palette = voxel_at(scene, grid, cell);
-    if (palette == 0u || grid.walk != VOXEL_WALK_SHAPES) return palette;
+    if (voxel_class(scene, slot_first, palette) == VOXEL_AIR) return 0u;
+    if (grid.walk != VOXEL_WALK_SHAPES) return palette;
     VoxelPart part = voxel_part(scene, grid, slot_first, cell, palette);
     return voxel_holds(scene, grid, part, cell, p) ? palette : 0u;
 }

@@ -95,8 +95,9 @@ FN VoxelCube voxel_cube(const_in(SceneView) scene, const_in(VoxelGrid) grid, ive
     return VoxelCube(0u, 0u);  // not reached: a tree has at most that many levels
 }
 
-// ------------------------------------------------------------------------------------------------ cells that an SDF
-// tells The SDF in the middle of a cell, in its own units.
+// ---------------------------------------------------------------------------------------- cells that an SDF tells
+
+// The SDF in the middle of a cell, in its own units.
 FN float voxel_sdf(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 cell) {
     return sdf_distance(scene, grid.sdf, grid.sdf_origin + (vec3(cell) + vec3(0.5f)) * grid.sdf_cell);
 }

@@ -102,9 +102,12 @@ void add_voxel_lights(CompiledScene& out, const kernels::SceneView& view, const 
     };
     tree.for_each_cube([&](ivec3 lower, int edge, std::uint16_t palette) {
         if (!emits(out, slot_of(palette).material) || shaped(palette)) return;
+        // Cells within the cube have no neighbour of another kind.
+        const auto outer = [edge](int i) { return i == 0 || i == edge - 1; };
         for (int z = 0; z < edge; ++z)
             for (int y = 0; y < edge; ++y)
-                for (int x = 0; x < edge; ++x) add_faces(lower + ivec3(x, y, z), palette);
+                for (int x = 0; x < edge; x += outer(z) || outer(y) ? 1 : std::max(1, edge - 1))
+                    add_faces(lower + ivec3(x, y, z), palette);
     });
     std::sort(out.lights.begin() + std::ptrdiff_t(first), out.lights.end(),
               [](const kernels::Light& a, const kernels::Light& b) {

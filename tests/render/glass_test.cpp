@@ -85,6 +85,17 @@ TEST(Glass, water_against_glass_voxels_is_one_interface_as_of_nested_boxes) {
     expect_same_glass(voxels, boxes);
 }
 
+TEST(Glass, a_voxel_of_nothing_is_no_neighbour_to_glass) {
+    const auto picture = [](const std::string& row) {
+        return render_stage(stage(R"({"geometry": {"type": "voxels", "layers": [[")" + row + R"("]]},
+            "material": ["glass", null], "transform": [{"translate": [-1.5, -0.5, -0.5]}, {"scale": 0.8}]})",
+                                  tint));
+    };
+    const TestPicture beside_air = picture("1.1"), beside_nothing = picture("121");
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) ASSERT_EQ(beside_nothing.at(x, y), beside_air.at(x, y)) << x << ", " << y;
+}
+
 // An axis-aligned box in triangles, wound outwards.
 std::string box_mesh(dvec3 lower, dvec3 upper) {
     std::string positions, triangles;

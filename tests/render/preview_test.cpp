@@ -51,6 +51,17 @@ TEST(PreviewAo, voxels_darken_linearly_towards_a_wall) {
     }
 }
 
+// A single layer hides nothing from itself, and its sky is the same everywhere: on rounded edges too.
+TEST(PreviewAo, rounded_voxels_on_a_plain_floor_lose_nothing) {
+    const std::string scene = fmt::format(R"json("integrator": {{"type": "ao"}}, {},
+      "materials": {{"grey": {{"type": "diffuse", "color": 0.5}}}},
+      "objects": [{{"geometry": {{"type": "voxels", "layers": [["1.111", "11111", ".11.1"]], "rounding": 0.4}},
+                    "material": "grey", "transform": [{{"translate": [0, -1, -1.5]}}]}}])json",
+                                          white_sky);
+    const TestPicture p = render_text(from_above(0, 5, 100, scene), 1, 2);
+    for (int i = 0; i < 100; ++i) EXPECT_NEAR(p.at(i, 0).x, 0.5, 0.004) << "pixel " << i;
+}
+
 TEST(PreviewAo, strength_takes_as_much_as_it_says) {
     const TestPicture p =
         render_text(from_above(0, 4, 32, floor_and_wall(R"("type": "ao", "ao_strength": 0.5)", white_sky)), 1, 2);

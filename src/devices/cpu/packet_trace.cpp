@@ -73,13 +73,15 @@ void instance_closest8(const SceneView& scene, uint instance, const Ray rays[pac
     }
     Ray local[packet_size];
     float before[packet_size];
-    for (int i = 0; i < packet_size; ++i) {
-        local[i] = kernels::ray_to_local(placed, rays[i]);
+    for (int i = 0; i < packet_size; ++i) local[i] = kernels::ray_to_local(placed, rays[i]);
+    for (unsigned rest = lanes; rest; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
         before[i] = hits[i].t;
-        if (lanes >> i & 1) hits[i].t = kernels::instance_limit(instance, hits[i]);
+        hits[i].t = kernels::instance_limit(instance, hits[i]);
     }
     const unsigned found = cpu_voxels_closest8(scene, placed.geometry, placed.slot_first, local, lanes, hits);
-    for (int i = 0; i < packet_size; ++i) {
+    for (unsigned rest = lanes; rest; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
         if (found >> i & 1) hits[i].instance = instance;
         else hits[i].t = before[i];
     }
