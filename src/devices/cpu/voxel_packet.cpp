@@ -22,6 +22,18 @@ namespace spinel {
 
 namespace {
 
+unsigned closest_one_by_one(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                            const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits) {
+    unsigned found = 0;
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = std::countr_zero(lanes);
+        const float before = hits[i].t;
+        cpu_voxels_closest(scene, grid, slot_first, rays[i], hits[i]);
+        found |= unsigned(hits[i].t < before) << i;
+    }
+    return found;
+}
+
 #ifdef __AVX2__
 
 struct PacketAxis {
@@ -243,14 +255,7 @@ unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid
     const VoxelGrid& grid = scene.voxel_grids.at[grid_index];
 
     const auto one_by_one = [&](unsigned which) {
-        unsigned found = 0;
-        for (; which; which &= which - 1) {
-            const int i = std::countr_zero(which);
-            const float before = hits[i].t;
-            cpu_voxels_closest(scene, grid_index, slot_first, rays[i], hits[i]);
-            found |= unsigned(hits[i].t < before) << i;
-        }
-        return found;
+        return closest_one_by_one(scene, grid_index, slot_first, rays, which, hits);
     };
 
     __m256 o[4], d[4];  // origins and t_min, directions and t_max
@@ -359,14 +364,7 @@ unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid
 
 unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
                              const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits) {
-    unsigned found = 0;
-    for (; lanes; lanes &= lanes - 1) {
-        const int i = std::countr_zero(lanes);
-        const float before = hits[i].t;
-        cpu_voxels_closest(scene, grid, slot_first, rays[i], hits[i]);
-        found |= unsigned(hits[i].t < before) << i;
-    }
-    return found;
+    return closest_one_by_one(scene, grid, slot_first, rays, lanes, hits);
 }
 
 #endif
