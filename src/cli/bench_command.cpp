@@ -153,7 +153,8 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     std::vector<Row> rows;
     {
         const BenchRays rays = scene_rays(compiled->view(), o.size);
-        const std::vector<BenchStructure> structures = scene_structures(*compiled, build_ms);
+        const std::vector<BenchStructure> structures =
+            scene_structures(*compiled, scene->accelerator.structure, build_ms);
         measure("scene", structures, "primary", rays.primary, false, o.repeats, rows);
         measure("scene", structures, "diffuse", rays.diffuse, false, o.repeats, rows);
         measure("scene", structures, "shadow", rays.shadow, true, o.repeats, rows);
