@@ -320,7 +320,7 @@ void expect_packets_equal_single_rays(int ray_count, std::uint32_t seed) {
                 together[k] = kernels::no_hit(r.t_max);
             }
             const unsigned lanes = i % 5 ? 0xffu : unsigned(random.below(256));
-            const unsigned found = cpu_voxels_closest8(scene, 0, 0, packet, lanes, together);
+            const unsigned found = cpu_voxels_closest8(scene, 0, 0, 0, packet, lanes, together);
             for (int k = 0; k < packet_size; ++k) {
                 const kernels::Ray& r = packet[k];
                 Hit alone = kernels::no_hit(r.t_max);
@@ -333,6 +333,53 @@ void expect_packets_equal_single_rays(int ray_count, std::uint32_t seed) {
                 ASSERT_EQ(together[k].primitive, alone.primitive) << describe(r);
                 ASSERT_EQ(together[k].uv, alone.uv) << describe(r);
             }
+        }
+    }
+    EXPECT_GT(hits, ray_count / 10);
+}
+
+// Rays of no relation, in batches of any size, with beams of neighbours between them.
+void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    int hits = 0, rays = 0;
+    for (int round = 0; rays < ray_count; ++round) {
+        const VoxelGeometry set = random_set(random, 90, round % 2);
+        TestScene parts;
+        parts.add(set);
+        parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);
+        const kernels::SceneView& scene = parts.view();
+        for (int i = 0; i < 100; ++i) {
+            std::vector<kernels::Ray> batch(random.below(200));
+            std::vector<Hit> expected(batch.size()), limits(batch.size());
+            for (std::size_t k = 0; k < batch.size(); ++k) {
+                kernels::Ray& r = batch[k] = awkward_ray(random, set.tree->size(), int(k));
+                if (i % 2 && k % 64 >= 8 && k % 8) {
+                    r = batch[k / 8 * 8];
+                    r.direction *= random.uniform(0.95f, 1.05f);
+                    r.origin.x += random.uniform(-3, 3);
+                }
+                if (k % 4 == 0) r.t_max = random.uniform(0, 100) / glm::length(r.direction);
+                if (k % 17 == 0) r.origin *= std::exp(random.uniform(0, 8));
+                limits[k] = expected[k] = kernels::no_hit(r.t_max);
+                kernels::voxels_closest(scene, 0, 0, r, expected[k]);
+                if (expected[k].t < r.t_max) expected[k].instance = 7;
+            }
+            for (const auto walk : {cpu_voxels_closest_stream, cpu_voxels_closest_batch}) {
+                std::vector<Hit> found = limits;
+                walk(scene, 0, 0, 7, batch, found.data());
+                for (std::size_t k = 0; k < batch.size(); ++k) {
+                    ASSERT_EQ(found[k].instance, expected[k].instance) << describe(batch[k]);
+                    ASSERT_EQ(found[k].t, expected[k].t) << describe(batch[k]);
+                    ASSERT_EQ(found[k].cell, expected[k].cell) << describe(batch[k]);
+                    ASSERT_EQ(found[k].face, expected[k].face) << describe(batch[k]);
+                    ASSERT_EQ(found[k].primitive, expected[k].primitive) << describe(batch[k]);
+                    ASSERT_EQ(found[k].uv, expected[k].uv) << describe(batch[k]);
+                    ASSERT_EQ(found[k].normal, expected[k].normal) << describe(batch[k]);
+                    hits += found[k].instance == 7;
+                }
+            }
+            rays += int(batch.size());
         }
     }
     EXPECT_GT(hits, ray_count / 10);
@@ -517,9 +564,11 @@ void expect_equals_the_exact_walk(int ray_count, std::uint32_t seed) {
 
 TEST(VoxelWalk, equals_the_plain_walk_bit_for_bit) { expect_equals_the_plain_walk(100000, 4); }
 TEST(VoxelWalk, packets_equal_single_rays_bit_for_bit) { expect_packets_equal_single_rays(200000, 5); }
+TEST(VoxelWalk, batches_equal_single_rays_bit_for_bit) { expect_batches_equal_single_rays(200000, 8); }
 TEST(VoxelWalk, equals_the_walk_in_double_precision) { expect_equals_the_exact_walk(100000, 5); }
 TEST(VoxelWalkSlow, equals_the_plain_walk_bit_for_bit) { expect_equals_the_plain_walk(10000000, 6); }
 TEST(VoxelWalkSlow, packets_equal_single_rays_bit_for_bit) { expect_packets_equal_single_rays(10000000, 7); }
+TEST(VoxelWalkSlow, batches_equal_single_rays_bit_for_bit) { expect_batches_equal_single_rays(10000000, 9); }
 TEST(VoxelWalkSlow, equals_the_walk_in_double_precision) { expect_equals_the_exact_walk(10000000, 7); }
 
 TEST(VoxelWalk, a_cell_is_found_as_on_the_host) {

@@ -79,11 +79,10 @@ void instance_closest8(const SceneView& scene, uint instance, const Ray rays[pac
         before[i] = hits[i].t;
         hits[i].t = kernels::instance_limit(instance, hits[i]);
     }
-    const unsigned found = cpu_voxels_closest8(scene, placed.geometry, placed.slot_first, local, lanes, hits);
-    for (unsigned rest = lanes; rest; rest &= rest - 1) {
+    const unsigned found = cpu_voxels_closest8(scene, placed.geometry, placed.slot_first, instance, local, lanes, hits);
+    for (unsigned rest = lanes & ~found; rest; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
-        if (found >> i & 1) hits[i].instance = instance;
-        else hits[i].t = before[i];
+        hits[i].t = before[i];
     }
 }
 

@@ -7,34 +7,22 @@
 // directions are positive, the children of a node in the order of their bits are in front-to-back order, and the first
 // cell that is not air is the hit: the very one, bit for bit, that the kernel finds.
 //
-// Rays of different octants, far away, or starting in something go one by one.
+// Rays of different octants, or that are no neighbours, are a stream (voxel_stream.cpp); those that start in something,
+// or where rounding is about a cell, go one by one.
 
-#include <immintrin.h>
+#include "devices/cpu/voxel_packet.h"
+
+#ifdef __AVX2__
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-
-#include "devices/cpu/voxel_walk.h"
 
 namespace spinel {
 
 namespace {
 
-unsigned closest_one_by_one(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
-                            const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits) {
-    unsigned found = 0;
-    for (; lanes; lanes &= lanes - 1) {
-        const int i = std::countr_zero(lanes);
-        const float before = hits[i].t;
-        cpu_voxels_closest(scene, grid, slot_first, rays[i], hits[i]);
-        found |= unsigned(hits[i].t < before) << i;
-    }
-    return found;
-}
-
-#ifdef __AVX2__
+using namespace kernels;
 
 struct PacketAxis {
     __m256 origin;   // of the rays
@@ -45,21 +33,20 @@ struct PacketAxis {
 };
 
 // t at which the rays meet a plane; where a ray runs along it, it was met for ever or never.
-__m256 plane_t(const PacketAxis& axis, int plane) {
-    const __m256 p = _mm256_set1_ps(float(plane));
-    const __m256 offset = _mm256_sub_ps(p, axis.origin);
+__m256 plane_t(const PacketAxis& axis, __m256 plane) {
+    const __m256 offset = _mm256_sub_ps(plane, axis.origin);
     const __m256 t = _mm256_mul_ps(offset, axis.inverse);
     if (!axis.any_still) [[likely]]
         return t;
     const __m256 zero = _mm256_setzero_ps();
     const __m256 passed =
         axis.negative ? _mm256_cmp_ps(offset, zero, _CMP_GT_OQ) : _mm256_cmp_ps(offset, zero, _CMP_LE_OQ);
-    const __m256 ever = _mm256_blendv_ps(_mm256_set1_ps(kernels::INFINITE), _mm256_set1_ps(-kernels::INFINITE), passed);
+    const __m256 ever = _mm256_blendv_ps(_mm256_set1_ps(INFINITE), _mm256_set1_ps(-INFINITE), passed);
     return _mm256_blendv_ps(t, ever, axis.still);
 }
 
 // The bits of a node's mask with axes turned round: `flip` has 3, 12, 48 set for x, y, z.
-std::uint64_t mirrored(std::uint64_t m, std::uint32_t flip) {
+mask64 mirrored(mask64 m, std::uint32_t flip) {
     if (flip & 3) {
         m = (m >> 1 & 0x5555555555555555u) | (m & 0x5555555555555555u) << 1;
         m = (m >> 2 & 0x3333333333333333u) | (m & 0x3333333333333333u) << 2;
@@ -78,38 +65,61 @@ std::uint64_t mirrored(std::uint64_t m, std::uint32_t flip) {
 // A node that the packet is in.
 struct PacketNode {
     __m256 t[3][5];  // where the rays meet the planes between its children, in the order in which they meet them
-    std::uint64_t mask;
-    std::uint64_t todo;  // mirrored
-    kernels::uint link;
-    glm::ivec3 lower;
+    mask64 mask;
+    mask64 todo;  // mirrored
+    uint link;
+    ivec3 lower;
     unsigned lanes;
 };
 
+// Children, mirrored, on the far side of so many of the three planes of each axis; those on the near side of so many
+// are these read backwards.
+constexpr mask64 beyond[3][4] = {{~mask64(0), 0xeeeeeeeeeeeeeeeeu, 0xccccccccccccccccu, 0x8888888888888888u},
+                                 {~mask64(0), 0xfff0fff0fff0fff0u, 0xff00ff00ff00ff00u, 0xf000f000f000f000u},
+                                 {~mask64(0), 0xffffffffffff0000u, 0xffffffff00000000u, 0xffff000000000000u}};
+constexpr mask64 before[3][4] = {{~mask64(0), 0x7777777777777777u, 0x3333333333333333u, 0x1111111111111111u},
+                                 {~mask64(0), 0x0fff0fff0fff0fffu, 0x00ff00ff00ff00ffu, 0x000f000f000f000fu},
+                                 {~mask64(0), 0x0000ffffffffffffu, 0x00000000ffffffffu, 0x000000000000ffffu}};
+
 // A node at a place for the rays in `active`: its planes, and those of its children that a ray may visit between
 // `enter` and `exit`. Its children are `edge` cells wide.
-void open_node(const kernels::VoxelNode& node, glm::ivec3 lower, int edge, const PacketAxis axes[3], std::uint32_t flip,
+void open_node(const VoxelNode& node, ivec3 lower, int edge, const PacketAxis axes[3], std::uint32_t flip,
                unsigned active, __m256 enter, __m256 exit, PacketNode& n) {
-    n.mask = node.mask_low | std::uint64_t(node.mask_high) << 32;
+    n.mask = make_mask64(node.mask_low, node.mask_high);
     n.link = node.link;
     n.lower = lower;
     n.lanes = active;
-    std::uint64_t range = ~std::uint64_t(0);
-    // Children beyond plane p (bits), and before it.
-    constexpr std::uint64_t beyond[3][3] = {{0xeeeeeeeeeeeeeeeeu, 0xccccccccccccccccu, 0x8888888888888888u},
-                                            {0xfff0fff0fff0fff0u, 0xff00ff00ff00ff00u, 0xf000f000f000f000u},
-                                            {0xffffffffffff0000u, 0xffffffff00000000u, 0xffff000000000000u}};
+    // How many planes of each axis a ray has passed when it comes, and has still to pass when it goes: a byte for each
+    // axis, below zero.
+    __m256i passed[3], later[3];
     for (int a = 0; a < 3; ++a) {
         const bool negative = axes[a].negative;
-        const int first = lower[a] + (negative ? 4 * edge : 0), step = negative ? -edge : edge;
-        for (int p = 0; p < 5; ++p) n.t[a][p] = plane_t(axes[a], first + p * step);
-        for (int p = 1; p < 4; ++p) {
-            const auto passed = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(n.t[a][p], enter, _CMP_LT_OQ)));
-            const auto later = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(n.t[a][p], exit, _CMP_GT_OQ)));
-            // Without branches: they would be taken by chance.
-            range &= beyond[a][p - 1] | (std::uint64_t(0) - std::uint64_t((passed & active) != active));
-            range &= ~beyond[a][p - 1] | (std::uint64_t(0) - std::uint64_t((later & active) != active));
-        }
+        const __m256 step = _mm256_set1_ps(float(negative ? -edge : edge));
+        __m256 plane = _mm256_set1_ps(float(lower[a] + (negative ? 4 * edge : 0)));
+        for (int p = 0; p < 5; ++p, plane = _mm256_add_ps(plane, step)) n.t[a][p] = plane_t(axes[a], plane);
+        const auto sum = [](__m256 x, __m256 y, __m256 z) {
+            return _mm256_add_epi32(int_columns(x), _mm256_add_epi32(int_columns(y), int_columns(z)));
+        };
+        const __m256* const t = n.t[a];
+        passed[a] = sum(_mm256_cmp_ps(t[1], enter, _CMP_LT_OQ), _mm256_cmp_ps(t[2], enter, _CMP_LT_OQ),
+                        _mm256_cmp_ps(t[3], enter, _CMP_LT_OQ));
+        later[a] = sum(_mm256_cmp_ps(t[1], exit, _CMP_GT_OQ), _mm256_cmp_ps(t[2], exit, _CMP_GT_OQ),
+                       _mm256_cmp_ps(t[3], exit, _CMP_GT_OQ));
     }
+    const __m256i idle = _mm256_andnot_si256(lane_mask(active), _mm256_set1_epi32(0x030303));
+    // The least of each byte over the rays that are there.
+    const auto least = [&](const __m256i count[3]) {
+        const __m256i xyz = _mm256_add_epi32(
+            count[0], _mm256_add_epi32(_mm256_slli_epi32(count[1], 8), _mm256_slli_epi32(count[2], 16)));
+        const __m256i bytes = _mm256_or_si256(_mm256_sub_epi32(_mm256_setzero_si256(), xyz), idle);
+        return _mm_min_epu8(_mm256_castsi256_si128(bytes), _mm256_extracti128_si256(bytes, 1));
+    };
+    const __m128i in = least(passed), out = least(later);
+    __m128i both = _mm_min_epu8(_mm_unpacklo_epi32(in, out), _mm_unpackhi_epi32(in, out));
+    both = _mm_min_epu8(both, _mm_unpackhi_epi64(both, both));
+    const auto counts = std::uint64_t(_mm_cvtsi128_si64(both));
+    const mask64 range = beyond[0][counts & 3] & beyond[1][counts >> 8 & 3] & beyond[2][counts >> 16 & 3] &
+                         before[0][counts >> 32 & 3] & before[1][counts >> 40 & 3] & before[2][counts >> 48 & 3];
     n.todo = mirrored(n.mask, flip) & range;
 }
 
@@ -152,162 +162,132 @@ void transpose(__m256 a, __m256 b, __m256 c, __m256 d, __m128 row[packet_size]) 
     }
 }
 
-// Four columns of rays' members from `at` on.
-void load_columns(const float* at, __m256 column[4]) {
-    constexpr int stride = sizeof(kernels::Ray) / sizeof(float);
-    static_assert(sizeof(kernels::Ray) == 8 * sizeof(float));
-    const auto pair = [&](int i) {
-        return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at + i * stride)),
-                                    _mm_loadu_ps(at + (i + 4) * stride), 1);
-    };
-    const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
-    const __m256 ab_low = _mm256_unpacklo_ps(a, b), ab_high = _mm256_unpackhi_ps(a, b);
-    const __m256 cd_low = _mm256_unpacklo_ps(c, d), cd_high = _mm256_unpackhi_ps(c, d);
-    column[0] = _mm256_shuffle_ps(ab_low, cd_low, _MM_SHUFFLE(1, 0, 1, 0));
-    column[1] = _mm256_shuffle_ps(ab_low, cd_low, _MM_SHUFFLE(3, 2, 3, 2));
-    column[2] = _mm256_shuffle_ps(ab_high, cd_high, _MM_SHUFFLE(1, 0, 1, 0));
-    column[3] = _mm256_shuffle_ps(ab_high, cd_high, _MM_SHUFFLE(3, 2, 3, 2));
-}
-
-// A cube that rays hit: where, on which axis' face, which cube, and of what.
-struct PacketHit {
+// What the rays of a packet have met.
+struct PacketHits {
+    unsigned found;
     __m256 t;
-    __m256i axis;
-    glm::ivec3 lower;
-    int edge;
-    kernels::uint palette;
+    __m256i axis, palette, cell[3];
 };
 
-// As kernels::voxel_hit, for the rays in `which`; those in `first` hit it where the walk begins.
-void write_hits(const PacketHit& hit, const __m256 o[3], const __m256 d[3], __m256 reach, const kernels::Ray* rays,
-                unsigned first, unsigned which, kernels::Hit* hits) {
-    using namespace kernels;
-    __m256 on_axis[3], p[3], negative[3];
-    __m256i cell[3];
+// The cells of a solid cube where rays come in by one of its faces; those in `first` begin there.
+void cells_of_cube(const RayColumns& ray, __m256 reach, ivec3 cube, int edge, __m256 t, __m256i axis, const Ray* rays,
+                   unsigned first, unsigned which, __m256i cell[3]) {
     unsigned doubtful = 0;
     for (int a = 0; a < 3; ++a) {
-        on_axis[a] = _mm256_castsi256_ps(_mm256_cmpeq_epi32(hit.axis, _mm256_set1_epi32(a)));
-        negative[a] = _mm256_cmp_ps(d[a], _mm256_setzero_ps(), _CMP_LT_OQ);
-        p[a] = o[a] + hit.t * d[a];  // as ray_at(), contracted or not
-        const __m256i lower = _mm256_set1_epi32(hit.lower[a]), top = _mm256_set1_epi32(hit.lower[a] + hit.edge - 1);
-        cell[a] = lower;
-        if (hit.edge == 1) continue;
-        cell[a] = _mm256_max_epi32(_mm256_min_epi32(_mm256_cvttps_epi32(p[a]), top), lower);
-        const __m256 fraction = _mm256_sub_ps(p[a], _mm256_cvtepi32_ps(cell[a]));
+        const __m256i on_axis = _mm256_cmpeq_epi32(axis, _mm256_set1_epi32(a));
+        const __m256i lower = _mm256_set1_epi32(cube[a]), top = _mm256_set1_epi32(cube[a] + edge - 1);
+        const __m256 p = ray.origin[a] + t * ray.direction[a];
+        cell[a] = _mm256_max_epi32(_mm256_min_epi32(_mm256_cvttps_epi32(p), top), lower);
+        const __m256 fraction = _mm256_sub_ps(p, _mm256_cvtepi32_ps(cell[a]));
         const __m256 doubt = _mm256_mul_ps(reach, _mm256_set1_ps(1e-6f));
         const __m256 sure = _mm256_and_ps(_mm256_cmp_ps(fraction, doubt, _CMP_GE_OQ),
                                           _mm256_cmp_ps(fraction, _mm256_sub_ps(_mm256_set1_ps(1), doubt), _CMP_LE_OQ));
-        doubtful |= ~unsigned(_mm256_movemask_ps(_mm256_or_ps(sure, on_axis[a])));
-        cell[a] = _mm256_blendv_epi8(cell[a], _mm256_blendv_epi8(lower, top, _mm256_castps_si256(negative[a])),
-                                     _mm256_castps_si256(on_axis[a]));
+        doubtful |= ~lanes_of(_mm256_or_ps(sure, float_columns(on_axis)));
+        const __m256i negative = int_columns(_mm256_cmp_ps(ray.direction[a], _mm256_setzero_ps(), _CMP_LT_OQ));
+        cell[a] = _mm256_blendv_epi8(cell[a], _mm256_blendv_epi8(lower, top, negative), on_axis);
     }
     doubtful &= which;
-    if (doubtful) [[unlikely]] {
-        alignas(32) int cells[3][packet_size], axes[packet_size];
-        alignas(32) float t[packet_size];
-        for (int a = 0; a < 3; ++a) _mm256_store_si256(reinterpret_cast<__m256i*>(cells[a]), cell[a]);
-        _mm256_store_si256(reinterpret_cast<__m256i*>(axes), hit.axis);
-        _mm256_store_ps(t, hit.t);
-        for (; doubtful; doubtful &= doubtful - 1) {
-            const int i = std::countr_zero(doubtful);
-            const Ray& ray = rays[i];
-            for (int a = 0; a < 3; ++a)
-                if (a != axes[i])
-                    cells[a][i] =
-                        voxel_cell(ray.origin[a], ray.direction[a], safe_inverse(ray.direction[a]), t[i],
-                                   (first >> i & 1) || a < axes[i], hit.lower[a], hit.lower[a] + hit.edge - 1);
-        }
-        for (int a = 0; a < 3; ++a) cell[a] = _mm256_load_si256(reinterpret_cast<const __m256i*>(cells[a]));
+    if (!doubtful) [[likely]]
+        return;
+    alignas(32) int cells[3][packet_size], axes[packet_size];
+    alignas(32) float start[packet_size];
+    for (int a = 0; a < 3; ++a) _mm256_store_si256(reinterpret_cast<__m256i*>(cells[a]), cell[a]);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(axes), axis);
+    _mm256_store_ps(start, t);
+    for (; doubtful; doubtful &= doubtful - 1) {
+        const int i = std::countr_zero(doubtful);
+        const Ray& r = rays[i];
+        for (int a = 0; a < 3; ++a)
+            if (a != axes[i])
+                cells[a][i] = voxel_cell(r.origin[a], r.direction[a], safe_inverse(r.direction[a]), start[i],
+                                         (first >> i & 1) || a < axes[i], cube[a], cube[a] + edge - 1);
     }
+    for (int a = 0; a < 3; ++a) cell[a] = _mm256_load_si256(reinterpret_cast<const __m256i*>(cells[a]));
+}
 
+// As kernels::voxel_hit for all of them.
+void write_hits(const PacketHits& hit, const RayColumns& ray, uint instance, Hit* hits) {
     const __m256 zero = _mm256_setzero_ps(), one = _mm256_set1_ps(1);
-    __m256 normal[3], forward = zero;
+    __m256 on_axis[3], p[3], normal[3], forward = zero;
     for (int a = 0; a < 3; ++a) {
-        p[a] = _mm256_min_ps(_mm256_max_ps(_mm256_sub_ps(p[a], _mm256_cvtepi32_ps(cell[a])), zero), one);
-        normal[a] = _mm256_and_ps(on_axis[a], _mm256_blendv_ps(_mm256_set1_ps(-1), one, negative[a]));
-        forward = _mm256_or_ps(forward, _mm256_and_ps(on_axis[a], negative[a]));
+        on_axis[a] = float_columns(_mm256_cmpeq_epi32(hit.axis, _mm256_set1_epi32(a)));
+        const __m256 negative = _mm256_cmp_ps(ray.direction[a], zero, _CMP_LT_OQ);
+        p[a] = ray.origin[a] + hit.t * ray.direction[a];  // as ray_at(), contracted or not
+        p[a] = _mm256_min_ps(_mm256_max_ps(_mm256_sub_ps(p[a], _mm256_cvtepi32_ps(hit.cell[a])), zero), one);
+        normal[a] = _mm256_and_ps(on_axis[a], _mm256_blendv_ps(_mm256_set1_ps(-1), one, negative));
+        forward = _mm256_or_ps(forward, _mm256_and_ps(on_axis[a], negative));
     }
     const __m256 u = _mm256_blendv_ps(_mm256_blendv_ps(p[1], p[2], on_axis[1]), p[0], on_axis[2]);
     const __m256 v = _mm256_blendv_ps(_mm256_blendv_ps(p[2], p[0], on_axis[1]), p[1], on_axis[2]);
-    const __m256i face = _mm256_sub_epi32(_mm256_add_epi32(hit.axis, hit.axis), _mm256_castps_si256(forward));
-    const auto bits = [](__m256i x) { return _mm256_castsi256_ps(x); };
+    const __m256i face = _mm256_sub_epi32(_mm256_add_epi32(hit.axis, hit.axis), int_columns(forward));
 
     static_assert(sizeof(Hit) == 12 * sizeof(float) && offsetof(Hit, uv) == 16 && offsetof(Hit, normal) == 36);
     __m128 rows[3][packet_size];
-    transpose(hit.t, bits(_mm256_set1_epi32(-1)), bits(_mm256_set1_epi32(int(hit.palette))), bits(face), rows[0]);
-    transpose(u, v, bits(cell[0]), bits(cell[1]), rows[1]);
-    transpose(bits(cell[2]), normal[0], normal[1], normal[2], rows[2]);
-    for (; which; which &= which - 1) {
-        const int i = std::countr_zero(which);
+    transpose(hit.t, float_columns(_mm256_set1_epi32(int(instance))), float_columns(hit.palette), float_columns(face),
+              rows[0]);
+    transpose(u, v, float_columns(hit.cell[0]), float_columns(hit.cell[1]), rows[1]);
+    transpose(float_columns(hit.cell[2]), normal[0], normal[1], normal[2], rows[2]);
+    for (unsigned rest = hit.found; rest; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
         for (int k = 0; k < 3; ++k) _mm_storeu_ps(&hits[i].t + 4 * k, rows[k][i]);
     }
 }
 
-#endif
-
 }  // namespace
 
-#ifdef __AVX2__
+bool are_neighbours(const RayColumns& ray, unsigned lanes) {
+    const auto front = [](__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); };
+    // Directions within an eighth of the longest component of the first, places within 16 cells of the first.
+    const __m256* const d = ray.direction;
+    const __m256 longest = front(_mm256_max_ps(_mm256_max_ps(magnitude(d[0]), magnitude(d[1])), magnitude(d[2])));
+    const __m256 turn = _mm256_mul_ps(longest, _mm256_set1_ps(0.125f));
+    __m256 near = all_lanes();
+    for (int a = 0; a < 3; ++a) {
+        const __m256 turned = magnitude(_mm256_sub_ps(d[a], front(d[a])));
+        const __m256 moved = magnitude(_mm256_sub_ps(ray.origin[a], front(ray.origin[a])));
+        near = _mm256_and_ps(near, _mm256_and_ps(_mm256_cmp_ps(turned, turn, _CMP_LE_OQ),
+                                                 _mm256_cmp_ps(moved, _mm256_set1_ps(16), _CMP_LE_OQ)));
+        const unsigned up = lanes_of(_mm256_cmp_ps(d[a], _mm256_set1_ps(TINY_DIRECTION), _CMP_GE_OQ)) & lanes;
+        const unsigned down = lanes_of(_mm256_cmp_ps(d[a], _mm256_set1_ps(-TINY_DIRECTION), _CMP_LE_OQ)) & lanes;
+        if (up && down) return false;
+    }
+    return (lanes_of(near) & lanes) == lanes;
+}
 
-unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid_index, kernels::uint slot_first,
-                             const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits) {
-    using namespace kernels;
+unsigned packet_closest(const SceneView& scene, uint grid_index, uint slot_first, uint instance, const RayColumns& ray,
+                        const Ray* rays, unsigned lanes, Hit* hits) {
     const VoxelGrid& grid = scene.voxel_grids.at[grid_index];
-
-    const auto one_by_one = [&](unsigned which) {
-        return closest_one_by_one(scene, grid_index, slot_first, rays, which, hits);
-    };
-
-    __m256 o[4], d[4];  // origins and t_min, directions and t_max
-    load_columns(&rays[0].origin.x, o);
-    load_columns(&rays[0].direction.x, d);
     alignas(32) float limits[packet_size];
     for (int i = 0; i < packet_size; ++i) limits[i] = lanes >> i & 1 ? hits[i].t : -INFINITE;
     const __m256 limit = _mm256_load_ps(limits);
-
-    const __m256 magnitude = _mm256_castsi256_ps(_mm256_set1_epi32(0x7fffffff));
-    const __m256 far = _mm256_max_ps(_mm256_max_ps(_mm256_and_ps(o[0], magnitude), _mm256_and_ps(o[1], magnitude)),
-                                     _mm256_and_ps(o[2], magnitude));
-    const __m256 reach = _mm256_add_ps(far, _mm256_set1_ps(float(std::max({grid.size.x, grid.size.y, grid.size.z}))));
-    // A comparison that fails for what is no number.
-    if ((unsigned(_mm256_movemask_ps(_mm256_cmp_ps(reach, _mm256_set1_ps(1e5f), _CMP_LT_OQ))) & lanes) != lanes)
-        return one_by_one(lanes);
+    const BoxPass box = pass_box(grid.size, ray, limit);
+    const unsigned from_outside = lanes_of(box.from_outside);
+    unsigned single = lanes & ~box.exact;
+    // Of the rays that have found nothing yet.
+    unsigned alive = lanes_of(_mm256_cmp_ps(box.start, box.leave, _CMP_LT_OQ)) & lanes & box.exact;
 
     PacketAxis axes[3];
     std::uint32_t flip = 0;
-    __m256 start = o[3], leave = limit;
-    __m256 box_enter[3];
     for (int a = 0; a < 3; ++a) {
-        const __m256 still = _mm256_cmp_ps(_mm256_and_ps(d[a], magnitude), _mm256_set1_ps(TINY_DIRECTION), _CMP_LT_OQ);
-        const unsigned still_lanes = unsigned(_mm256_movemask_ps(still)) & lanes;
-        const unsigned negative = unsigned(_mm256_movemask_ps(d[a])) & lanes & ~still_lanes;
-        if (negative && negative != (lanes & ~still_lanes)) return one_by_one(lanes);
-        axes[a] = PacketAxis{o[a], _mm256_div_ps(_mm256_set1_ps(1), d[a]), still, still_lanes != 0, negative != 0};
+        const unsigned still = lanes_of(box.still[a]) & alive;
+        const bool negative = (lanes_of(ray.direction[a]) & alive & ~still) != 0;
+        axes[a] = {ray.origin[a], box.inverse[a], box.still[a], still != 0, negative};
         if (negative) flip |= 3u << (2 * a);
-        const int size = grid.size[a];
-        box_enter[a] = plane_t(axes[a], negative ? size : 0);
-        leave = _mm256_min_ps(leave, plane_t(axes[a], negative ? 0 : size));
     }
-    const __m256 box = _mm256_max_ps(_mm256_max_ps(box_enter[0], box_enter[1]), box_enter[2]);
-    const unsigned from_outside = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(box, start, _CMP_GT_OQ)));
-    start = _mm256_max_ps(start, box);
-    // Of the rays that have found nothing yet.
-    unsigned alive = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(start, leave, _CMP_LT_OQ))) & lanes;
-    if (!alive) return 0;
 
     PacketNode stack[VOXEL_MAX_LEVELS];
     uint level = grid.level_count - 1;
     const VoxelNode* const nodes = scene.voxel_nodes.at + grid.node_first;
     const uint* const references = grid.reference_first == NONE ? nullptr : scene.words.at + grid.reference_first;
+    if (alive) open_node(grid.root, ivec3(0), 1 << (2 * level), axes, flip, alive, box.start, box.leave, stack[level]);
 
-    open_node(grid.root, ivec3(0), 1 << (2 * level), axes, flip, alive, start, leave, stack[level]);
-
-    unsigned found = 0, single = 0;
-    for (;;) {
+    const __m256i none = _mm256_setzero_si256();
+    PacketHits met = {0, _mm256_setzero_ps(), none, none, {none, none, none}};
+    while (alive) {
         PacketNode& n = stack[level];
         const unsigned here = n.lanes & alive;
         if (!here || !n.todo) {
-            if (!alive || ++level == grid.level_count) break;
+            if (++level == grid.level_count) break;
             continue;
         }
         const uint bit = uint(std::countr_zero(n.todo));
@@ -318,55 +298,54 @@ unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid
         const __m256 in = _mm256_max_ps(_mm256_max_ps(x_in, y_in), z_in);
         const __m256 out = _mm256_min_ps(_mm256_min_ps(x_out, y_out), z_out);
         const __m256 visits =
-            _mm256_and_ps(_mm256_and_ps(_mm256_cmp_ps(in, out, _CMP_LE_OQ), _mm256_cmp_ps(out, start, _CMP_GT_OQ)),
+            _mm256_and_ps(_mm256_and_ps(_mm256_cmp_ps(in, out, _CMP_LE_OQ), _mm256_cmp_ps(out, box.start, _CMP_GT_OQ)),
                           _mm256_cmp_ps(in, limit, _CMP_LT_OQ));
-        unsigned visiting = unsigned(_mm256_movemask_ps(visits)) & here;
+        unsigned visiting = lanes_of(visits) & here;
         if (!visiting) continue;
 
         const uint digit = bit ^ flip;
-        const uint rank = uint(std::popcount(n.mask & ((std::uint64_t(1) << digit) - 1)));
+        const uint rank = popcount64(mask64_below(n.mask, digit));
         const ivec3 lower = n.lower + (ivec3(digit & 3, digit >> 2 & 3, digit >> 4) << int(2 * level));
         if ((n.link & VOXEL_LINK_KIND) == VOXEL_LINK_CHILDREN) {
             const uint at = n.link + rank;
             --level;
             open_node(nodes[references ? references[at] : at], lower, 1 << (2 * level), axes, flip, visiting,
-                      _mm256_max_ps(in, start), _mm256_min_ps(out, leave), stack[level]);
+                      _mm256_max_ps(in, box.start), _mm256_min_ps(out, box.leave), stack[level]);
             continue;
         }
-        const VoxelNode plain(uint(n.mask), uint(n.mask >> 32), n.link);
-        const uint palette = voxel_palette(scene, grid, plain, rank);
+        const uint palette = voxel_palette(scene, grid, VoxelNode(uint(n.mask), uint(n.mask >> 32), n.link), rank);
         if (voxel_class(scene, slot_first, palette) == VOXEL_AIR) continue;
 
-        const unsigned ties = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(in, out, _CMP_EQ_OQ))) & visiting;
+        const unsigned ties = lanes_of(_mm256_cmp_ps(in, out, _CMP_EQ_OQ)) & visiting;
         if (ties) [[unlikely]]
             visiting &= ~ties | in_order(x_in, y_in, z_in, x_out, y_out, z_out);
         // Where the walk begins: on a face of the box, or, for the kernel to tell, inside of something.
-        const unsigned first = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(in, start, _CMP_LE_OQ))) & visiting;
+        const unsigned first = lanes_of(_mm256_cmp_ps(in, box.start, _CMP_LE_OQ)) & visiting;
         single |= first & ~from_outside;
         const unsigned hit = visiting & ~(first & ~from_outside);
         if (hit) {
             // The plane met last; of the box that met first.
             __m256i axis = last_axis(x_in, y_in, z_in);
             if (first) [[unlikely]]
-                axis = _mm256_castps_si256(_mm256_blendv_ps(_mm256_castsi256_ps(axis),
-                                                            _mm256_castsi256_ps(first_axis(box_enter)),
-                                                            _mm256_cmp_ps(in, start, _CMP_LE_OQ)));
-            const PacketHit what = {in, axis, lower, 1 << (2 * level), palette};
-            write_hits(what, o, d, reach, rays, first, hit, hits);
-            found |= hit;
+                axis = _mm256_blendv_epi8(axis, first_axis(box.enter),
+                                          int_columns(_mm256_cmp_ps(in, box.start, _CMP_LE_OQ)));
+            __m256i cell[3];
+            if (level == 0)
+                for (int a = 0; a < 3; ++a) cell[a] = _mm256_set1_epi32(lower[a]);
+            else cells_of_cube(ray, box.reach, lower, 1 << (2 * level), in, axis, rays, first, hit, cell);
+            const __m256i now = lane_mask(hit);
+            met.t = _mm256_blendv_ps(met.t, in, float_columns(now));
+            met.axis = _mm256_blendv_epi8(met.axis, axis, now);
+            met.palette = _mm256_blendv_epi8(met.palette, _mm256_set1_epi32(int(palette)), now);
+            for (int a = 0; a < 3; ++a) met.cell[a] = _mm256_blendv_epi8(met.cell[a], cell[a], now);
+            met.found |= hit;
         }
         alive &= ~visiting;
     }
-    return found | one_by_one(single);
+    if (met.found) write_hits(met, ray, instance, hits);
+    return met.found | closest_one_by_one(scene, grid_index, slot_first, instance, rays, single, hits);
 }
-
-#else
-
-unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
-                             const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits) {
-    return closest_one_by_one(scene, grid, slot_first, rays, lanes, hits);
-}
-
-#endif
 
 }  // namespace spinel
+
+#endif

@@ -1,6 +1,9 @@
 #pragma once
-// Rays against a set of voxels on the CPU, one by one or eight at a time. Both find what kernels::voxels_closest finds,
-// bit for bit; on machines without the instructions that they need they are that function.
+// Rays against a set of voxels on the CPU: one by one, eight neighbours at a time, or any number in any order. All find
+// what kernels::voxels_closest finds, bit for bit; on machines without the instructions that they need they are that
+// function. A ray that finds something nearer than its hit.t has it written there.
+
+#include <span>
 
 #include "kernels/voxels.h"
 
@@ -9,11 +12,25 @@ namespace spinel {
 void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
                         const kernels::Ray& ray, kernels::Hit& hit);
 
-// Rays that go together: neighbours in the picture, or from neighbouring places towards one light.
+// Those that follow write `instance` to what they find.
+
+// As many rays as go together.
 inline constexpr int packet_size = 8;
 
-// For each of eight rays whose bit is set in `lanes`; returns those that found something nearer than their hit.t.
+// For each of eight rays whose bit is set in `lanes`; returns those that found something.
+unsigned closest_one_by_one(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                            kernels::uint instance, const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits);
+
+// The same in the way that suits them: neighbours as a packet, others as a stream.
 unsigned cpu_voxels_closest8(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
-                             const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits);
+                             kernels::uint instance, const kernels::Ray* rays, unsigned lanes, kernels::Hit* hits);
+
+// Any number of rays in any order: groups of eight that are neighbours as packets, what is between them as streams.
+void cpu_voxels_closest_batch(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                              kernels::uint instance, std::span<const kernels::Ray> rays, kernels::Hit* hits);
+
+// All of them as one stream.
+void cpu_voxels_closest_stream(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                               kernels::uint instance, std::span<const kernels::Ray> rays, kernels::Hit* hits);
 
 }  // namespace spinel
