@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "kernels/path_settings.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -55,6 +56,7 @@ struct CompiledScene {
 
     Film film;
     IntegratorSettings integrator;
+    kernels::DvrSettings dvr = {};  // its table is in `floats`
     std::vector<std::string> object_names;
 
     // Addresses into this object, valid as long as it lives and is not moved.
