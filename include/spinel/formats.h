@@ -19,9 +19,17 @@ namespace spinel {
 // What a file is asked for besides being read. An option that its format does not know is an error.
 struct LoadOptions {
     std::optional<int> frame;        // of an animation, from 0; none: the first
+    double fps = 0;                  // frames a second of a scene file's animation; 0: its own
     std::optional<float> heightmap;  // pictures and heights are terrain: its highest column has so many voxels,
                                      // the lowest one
     bool voxels = false;             // active voxels of a volume are solid ones
+    bool plain = false;              // load_scene: a model gets a camera, but neither light nor ground
+};
+
+// When a scene file with an animation is looked at.
+struct Moment {
+    std::optional<int> frame;  // none: 0
+    double fps = 0;            // frames a second; 0: the file's, else 30
 };
 
 // What a file could not say of a scene that was saved, a sentence each.
@@ -50,7 +58,7 @@ const Format* format_of(const std::filesystem::path& path);
 
 // A scene file (.json), or a model of any registered format: what can be rendered. A model gets a camera, sun, sky and
 // ground of its own; a scene file gets a camera if it has none, and nothing else. `size` (0, 0: the scene's film)
-// decides what a fitted camera must frame. `options` are for models; a scene file has its own.
+// decides what a fitted camera must frame. Of the options a scene file knows `frame` and `fps`, of its animation.
 Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size = {0, 0}, const LoadOptions& options = {});
 
 Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& options = {});

@@ -17,6 +17,7 @@
 
 #include "image/tone_map.h"
 #include "kernels/scene_view.h"
+#include "spinel/dvr.h"
 #include "spinel/voxels.h"
 
 namespace spinel {
@@ -267,6 +268,20 @@ struct Film {
     float filter_radius = 1.5f;  // pixels; a box of radius 0.5 is the pixel itself
 };
 
+// How `single-scatter` marches; world units.
+struct MarchOptions {
+    enum class Integration { energy_conserving, naive };
+    Integration integration = Integration::energy_conserving;
+    float step = 0;                  // along camera rays; 0: a 256th of the scene's diagonal
+    float shadow_step = 0;           // from within media to lights; 0: four steps
+    float shadow_reach = 0;          // how far media are looked at on that way; 0: all the way
+    float surface_shadow_step = 0;   // from surfaces to lights; 0: shadow_step
+    float surface_shadow_reach = 0;  // 0: all the way
+    float light_reach = 0;           // points and spots fade to nothing so far away; 0: they do not
+    bool jitter = true;              // marches begin at a random part of a step
+    bool shortcuts = true;           // false: every step of every march is taken
+};
+
 // What the integrator should do; the command line overrides it.
 struct IntegratorSettings {
     std::string name = "path";
@@ -279,6 +294,8 @@ struct IntegratorSettings {
     float ao_strength = 1;  // 0 … 1
     float glow = 0;         // of the halo about voxels that emit; 0: none
     float glow_radius = 0;  // world units; 0: four voxels of the set
+    MarchOptions march;     // of single-scatter
+    DvrOptions dvr;         // of dvr
 };
 
 // What meshes are built into and how rays are tested against their triangles; pictures are the same but for rounding.

@@ -3,8 +3,11 @@
 namespace spinel::cli {
 
 void add_load_options(CLI::App& app, LoadOptions& options) {
-    app.add_option("--frame", options.frame, "of an animated model, from 0 (default: the first)")
+    app.add_option("--frame", options.frame, "of an animated model or scene, from 0 (default: the first)")
         ->check(CLI::Range(0, 1 << 20));
+    app.add_option("--fps", options.fps, "frames a second of a scene's animation (default: the scene's, else 30)")
+        ->check(finite_number())
+        ->check(CLI::Range(1e-6, 1e6));
     app.add_option("--heightmap", options.heightmap,
                    "picture or .hgt as terrain: so many voxels from black to white, or from the lowest to the highest")
         ->check(finite_number())

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
@@ -38,6 +39,7 @@ struct Options {
     int max_bounces = -2;
     double clamp = -1;
     std::string integrator;
+    std::string preset;            // transfer function of dvr
     std::vector<std::string> set;  // KEY=VALUE of the integrator
     double level_of_detail = -1;   // −1: the scene's
     std::string device = "cpu";
@@ -50,8 +52,39 @@ struct Options {
     double exposure = NAN;
     std::vector<std::string> voxels;  // inputs as well, read with LoadOptions::voxels
     LoadOptions load;
+    std::string frames;
     bool check = false;
 };
+
+// "A:B" or "A:B:STEP": from A on, before B.
+Result<std::vector<int>> parse_frames(const std::string& text) {
+    int begin = 0, end = 0, step = 1, used = 0, used_with_step = 0;
+    const int count = std::sscanf(text.c_str(), "%d:%d%n:%d%n", &begin, &end, &used, &step, &used_with_step);
+    const int all = count == 3 ? used_with_step : used;
+    if (count < 2 || std::size_t(all) != text.size() || begin < 0 || end <= begin || step < 1 || end > 1 << 20)
+        return Error{fmt::format(
+            "--frames '{}': expected FIRST:END or FIRST:END:STEP, frames from FIRST on and before END, up to {}", text,
+            1 << 20)};
+    std::vector<int> frames;
+    for (int frame = begin; frame < end; frame += step) frames.push_back(frame);
+    return frames;
+}
+
+// Where the number of a frame goes in a name: "%d", "%4d" or "%04d". Length 0: nowhere.
+struct FramePlace {
+    std::size_t begin = 0, length = 0;
+    int width = 0;
+};
+FramePlace frame_place(const std::string& name) {
+    const std::size_t begin = name.find('%');
+    if (begin == std::string::npos) return {};
+    std::size_t end = begin + 1;
+    int width = 0;
+    while (end < name.size() && name[end] >= '0' && name[end] <= '9' && width < 10)
+        width = 10 * width + name[end++] - '0';
+    if (end >= name.size() || name[end] != 'd' || width > 16) return {};
+    return {begin, end + 1 - begin, width};
+}
 
 // "90", "90s", "1.5m", "1h": seconds.
 Result<double> parse_duration(const std::string& text) {
@@ -96,20 +129,26 @@ Result<ToneMap> parse_tone_map(const std::string& text, ToneMap fallback) {
     return Error{fmt::format("unknown tone map '{}'; available: linear, aces, agx", text)};
 }
 
-fs::path output_path(const Options& o, const fs::path& input) {
+fs::path output_path(const Options& o, const fs::path& input, std::optional<int> frame) {
     const std::string stem = input.stem().string();
-    const std::size_t at = o.output.find("{name}");
-    if (at != std::string::npos) return fs::path(std::string(o.output).replace(at, 6, stem));
-    if (fs::is_directory(o.output) || o.output.ends_with('/')) return fs::path(o.output) / (stem + ".png");
-    return fs::path(o.output);
+    std::string name = o.output;
+    if (const FramePlace place = frame_place(name); frame && place.length > 0)
+        name.replace(place.begin, place.length, fmt::format("{:0{}d}", *frame, place.width));
+    const std::size_t at = name.find("{name}");
+    if (at != std::string::npos) return fs::path(name.replace(at, 6, stem));
+    if (fs::is_directory(name) || name.ends_with('/')) return fs::path(name) / (stem + ".png");
+    return fs::path(name);
 }
 
 // Pictures have an extension that can be written, and several inputs need a place each: a folder, or a name with {name}
 // in it.
 Result<void> check_outputs(const Options& o) {
     std::map<fs::path, const std::string*> taken;
+    if (!o.frames.empty() && frame_place(o.output).length == 0)
+        return Error{fmt::format("-o '{}': --frames needs a name with the frame's number in it, such as frame_%04d.png",
+                                 o.output)};
     for (const std::string& input : o.inputs) {
-        const fs::path output = output_path(o, input);
+        const fs::path output = output_path(o, input, o.load.frame);
         if (output.extension() != ".png" && output.extension() != ".exr")
             return Error{fmt::format("-o '{}': pictures are written as .png or .exr", output.string())};
         const auto [other, is_new] = taken.emplace(output.lexically_normal(), &input);
@@ -197,12 +236,21 @@ struct Run {
     ivec2 size;
     RenderOptions render;
 
-    Result<int> operator()(const fs::path& input) const {
-        const fs::path output = output_path(o, input);
+    Result<int> operator()(const fs::path& input, std::optional<int> frame) const {
+        const fs::path output = output_path(o, input, frame);
         LoadOptions load = o.load;
+        load.frame = frame;
+        load.plain = o.integrator == "dvr";
         load.voxels = std::find(o.voxels.begin(), o.voxels.end(), input) != o.voxels.end();
         Result<Scene> scene = load_scene(input, size, load);
         if (!scene) return scene.error();
+        if (load.plain && input.extension() != ".json") {
+            // Colours of a transfer function are meant to be seen as they are, and rays have no noise.
+            scene->film.tone_map = ToneMap::linear;
+            scene->film.filter = PixelFilter::box;
+            scene->film.filter_radius = 0.5f;
+            scene->integrator.spp = 4;
+        }
         for (const std::string& assignment : o.set)
             if (Result<void> done = set_integrator(scene->integrator, assignment); !done) return done.error();
         if (o.level_of_detail >= 0)
@@ -307,6 +355,12 @@ int run(const Options& o, const CommonOptions& common) {
         if (!time) return fail(time.error(), exit_usage);
         options.time_limit = *time;
     }
+    std::vector<std::optional<int>> frames = {o.load.frame};
+    if (!o.frames.empty()) {
+        const Result<std::vector<int>> asked = parse_frames(o.frames);
+        if (!asked) return fail(asked.error(), exit_usage);
+        frames.assign(asked->begin(), asked->end());
+    }
     if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error(), exit_usage);
     if (const auto device = find_device(o.device); !device) return fail(device.error(), exit_usage);
     if (!o.integrator.empty())
@@ -333,13 +387,15 @@ int run(const Options& o, const CommonOptions& common) {
     install_interrupt();
     const Run render_one{o, common, *size, options};
     int code = exit_ok;
-    for (const std::string& input : o.inputs) {
-        const Result<int> result = render_one(input);
-        // One bad file of a batch does not take the others with it.
-        const int this_code = result ? *result : fail(result.error());
-        if (code == exit_ok) code = this_code;
-        if (interrupted) break;
-    }
+    for (const std::string& input : o.inputs)
+        for (const std::optional<int> frame : frames) {
+            if (interrupted) return code;
+            const Result<int> result = render_one(input, frame);
+            // One bad file of a batch does not take the others with it, but its other frames are as bad.
+            const int this_code = result ? *result : fail(result.error());
+            if (code == exit_ok) code = this_code;
+            if (!result) break;
+        }
     return code;
 }
 
@@ -359,6 +415,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
         ->check(finite_number())
         ->check(CLI::Range(1e-6, 1.0));
     app.add_option("--integrator", o->integrator, "`spinel list integrators` (default: the scene's, else path)");
+    app.add_option("--preset", o->preset, "transfer function of dvr: ct-bone, ct-skin, mri … (as --set dvr.preset=…)");
     app.add_option("--set", o->set,
                    "KEY=VALUE of the integrator, as in a scene file: --set ao_radius=2 --set glow=0.5 (docs/scene.md)")
         ->allow_extra_args(false);
@@ -383,12 +440,16 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--crop", o->crop, "LEFT,TOP,RIGHT,BOTTOM in pixels: render and write this part only");
     app.add_option("--camera", o->camera, "one of the scene's cameras by name");
     add_load_options(app, o->load);
+    app.add_option("--frames", o->frames,
+                   "FIRST:END[:STEP] of an animation, END not included; the number goes into -o as frame_%04d.png")
+        ->excludes("--frame");
     app.add_option("--aov", o->aovs, "further outputs, comma-separated; `spinel list aovs`")->delimiter(',');
     app.add_option("--tone-map", o->tone_map, "linear, aces or agx; PNG only (default: the scene's, else agx)");
     app.add_option("--exposure", o->exposure, "stops; PNG only (default: the scene's, else 0)")->check(finite_number());
     app.add_flag("--check", o->check, "compare the mean with the scene's \"expected\"; exit code 3 if it differs");
     return [o, &common] {
         o->inputs.insert(o->inputs.end(), o->voxels.begin(), o->voxels.end());
+        if (!o->preset.empty()) o->set.insert(o->set.begin(), "dvr.preset=" + o->preset);
         if (o->inputs.empty()) return fail({"INPUT is required; see spinel render --help"}, exit_usage);
         return run(*o, common);
     };

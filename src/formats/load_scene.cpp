@@ -18,18 +18,17 @@ Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size, const Lo
     const bool is_scene_file = path.extension() == ".json";
     Result<Scene> scene = Error{""};
     if (is_scene_file) {
-        if (options.frame || options.heightmap || options.voxels)
-            return Error{
-                fmt::format("{}: frames, heights and voxels are chosen inside of a scene file", path.string())};
+        if (options.heightmap || options.voxels)
+            return Error{fmt::format("{}: heights and voxels are chosen inside of a scene file", path.string())};
         const Result<std::string> text = read_file_bytes(path, max_scene_file);
         if (!text) return text.error();
-        scene = read_scene_json(*text, path, {load_model, read_pixels});
+        scene = read_scene_json(*text, path, {load_model, read_pixels}, {options.frame, options.fps});
     } else {
         scene = load_model(path, options);
     }
     if (!scene) return scene;
     if (size.x > 0 && size.y > 0) scene->film.size = size;
-    if (!is_scene_file) complete_model(*scene);
+    if (!is_scene_file && !options.plain) complete_model(*scene);
     else if (scene->cameras.empty()) fit_camera(*scene);
     if (Result<void> valid = validate(*scene); !valid)
         return Error{fmt::format("{}: {}", path.string(), valid.error().message)};

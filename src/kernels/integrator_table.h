@@ -7,16 +7,21 @@
 #define SPINEL_NEEDS_MIPS 1       // voxels as they look from afar (VoxelMip)
 #define SPINEL_NEEDS_GLOW_MIPS 2  // the same, if there is to be a halo
 
-//      number  name      needs  what it shows
-#define SPINEL_INTEGRATORS(ROW)                                                                \
-    ROW(0u, path, SPINEL_NEEDS_NOTHING,                                                        \
-        "volumetric path tracing with next-event estimation and multiple importance sampling") \
-    ROW(1u, normals, SPINEL_NEEDS_NOTHING, "shading normals of what is seen first")            \
-    ROW(2u, ao, SPINEL_NEEDS_GLOW_MIPS,                                                        \
-        "preview: sun and sky without shadows, darkened in corners by ambient occlusion")      \
-    ROW(3u, faces, SPINEL_NEEDS_GLOW_MIPS,                                                     \
-        "preview: flat faces in sun and even sky with a hard shadow, without random numbers")  \
-    ROW(4u, cone, SPINEL_NEEDS_MIPS,                                                           \
-        "preview: sky, bounced light, glossy reflections and soft shadows by cones through voxel sets")
+// name: the suffix of its function; text: what files, messages and the command line call it.
+//      number  name  text  needs  what it shows
+#define SPINEL_INTEGRATORS(ROW)                                                                           \
+    ROW(0u, path, "path", SPINEL_NEEDS_NOTHING,                                                           \
+        "volumetric path tracing with next-event estimation and multiple importance sampling")            \
+    ROW(1u, normals, "normals", SPINEL_NEEDS_NOTHING, "shading normals of what is seen first")            \
+    ROW(2u, ao, "ao", SPINEL_NEEDS_GLOW_MIPS,                                                             \
+        "preview: sun and sky without shadows, darkened in corners by ambient occlusion")                 \
+    ROW(3u, faces, "faces", SPINEL_NEEDS_GLOW_MIPS,                                                       \
+        "preview: flat faces in sun and even sky with a hard shadow, without random numbers")             \
+    ROW(4u, cone, "cone", SPINEL_NEEDS_MIPS,                                                              \
+        "preview: sky, bounced light, glossy reflections and soft shadows by cones through voxel sets")   \
+    ROW(5u, single_scatter, "single-scatter", SPINEL_NEEDS_NOTHING,                                       \
+        "ray march: light that media scatter once, with their shadows on surfaces, almost without noise") \
+    ROW(6u, dvr, "dvr", SPINEL_NEEDS_NOTHING,                                                             \
+        "volume rendering by a transfer function: windows, shading, projections, iso-surfaces")
 
 #endif

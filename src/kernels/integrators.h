@@ -3,11 +3,13 @@
 // What a sample of a pixel can be: an integrator takes the state of a camera ray and its first hit. To add one: a
 // function here or in a header of its own, and one row in integrator_table.h; the devices, `spinel list integrators`,
 // the scene file and the command line follow from it.
+#include "dvr.h"
 #include "integrator_table.h"
 #include "path.h"
 #include "preview_ao.h"
 #include "preview_cone.h"
 #include "preview_faces.h"
+#include "single_scatter.h"
 KERNELS_BEGIN
 
 FN PixelSample path_sample(const_in(PathState) state) {
@@ -21,7 +23,7 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
 
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview);
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr);
     path_follow(scene, seen, state, hit);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
@@ -39,9 +41,18 @@ FN PixelSample integrate_cone(const_in(SceneView) scene, const_in(PathSettings) 
     return preview_cone(scene, settings.preview, state.ray, hit, state.numbers);
 }
 
+FN PixelSample integrate_single_scatter(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state,
+                                        Hit hit) {
+    return single_scatter(scene, settings.march, state.ray, state.inside, hit, state.numbers);
+}
+
+FN PixelSample integrate_dvr(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    return dvr(scene, settings.dvr, state.ray, hit, state.numbers);
+}
+
 FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator,
                          const_in(PathState) state, const_in(Hit) hit) {
-#define SPINEL_INTEGRATOR_CASE(number, name, needs, doc) \
+#define SPINEL_INTEGRATOR_CASE(number, name, text, needs, doc) \
     if (integrator == number) return integrate_##name(scene, settings, state, hit);
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_CASE)
 #undef SPINEL_INTEGRATOR_CASE

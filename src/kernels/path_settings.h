@@ -11,12 +11,58 @@ struct PreviewSettings {
     float glow_radius;  // world units; 0: four voxels of the set
 };
 
+// What `single-scatter` is asked for (single_scatter.h). World units.
+struct MarchSettings {
+    float step;                  // of the camera's march
+    float shadow_step;           // from within media towards lights …
+    float shadow_reach;          // … as far as this
+    float surface_shadow_step;   // from surfaces towards lights …
+    float surface_shadow_reach;  // … as far as this
+    float light_reach;           // points give nothing beyond; 0: inverse square alone
+    uint naive;                  // 1: the integration that does not conserve energy
+    uint jitter;                 // 1: marches begin at a random part of a step
+    uint shortcuts;              // 1: a device may take its own
+};
+
+// What `dvr` shows and how (dvr.h). World units, if not told otherwise.
+struct DvrSettings {
+    uint medium;  // whose grid is shown; NONE: none
+    uint mode;    // DVR_…
+    // The transfer function: entry (value − low)·scale of two tables in SceneView::floats (transfer.h).
+    uint table_first;
+    uint table_size;
+    float low;
+    float scale;
+    float step;
+    float voxel;  // the shortest edge of a voxel
+    float iso;
+    vec3 iso_color;
+    uint shaded;
+    uint headlight;  // 1: light comes from the camera, else from to_light
+    vec3 to_light;
+    float ambient;
+    float diffuse;
+    float specular;
+    float shininess;
+    float shadow;
+    float shadow_reach;
+    vec3 clip_lower;  // index space
+    vec3 clip_upper;
+    uint plane_count;
+    vec4 planes[4];
+    vec3 background;
+    uint jitter;
+    uint shortcuts;
+};
+
 struct PathSettings {
     uint seed;
     int max_bounces;     // scattering events; −1: no limit
     float clamp;         // most that a path may add after its second scattering; 0: no limit
     int roulette_start;  // first bounce that Russian roulette may end
     PreviewSettings preview;
+    MarchSettings march;
+    DvrSettings dvr;
 };
 
 KERNELS_END

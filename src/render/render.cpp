@@ -19,7 +19,7 @@ Crop tile_crop(const FilmBuffer& film, int tile) {
 
 const std::vector<IntegratorInfo>& integrator_infos() {
     static const std::vector<IntegratorInfo> rows = {
-#define SPINEL_INTEGRATOR_INFO(number, name, needs, doc) {#name, doc, number, needs},
+#define SPINEL_INTEGRATOR_INFO(number, name, text, needs, doc) {text, doc, number, needs},
         SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_INFO)
 #undef SPINEL_INTEGRATOR_INFO
     };
@@ -56,6 +56,23 @@ kernels::PreviewSettings preview_settings(const CompiledScene& scene) {
     const float ao_radius = i.ao_radius > 0 ? i.ao_radius : diagonal > 0 ? 0.05f * diagonal : 1.0f;
     // A halo needs the mips of what emits.
     return {ao_radius, i.ao_strength, scene.mip_first == kernels::NONE ? 0.0f : i.glow, i.glow_radius};
+}
+
+kernels::MarchSettings march_settings(const CompiledScene& scene) {
+    const MarchOptions& o = scene.integrator.march;
+    const float diagonal = glm::length(scene.upper - scene.lower);
+    const auto or_else = [](float given, float otherwise) { return given > 0 ? given : otherwise; };
+    kernels::MarchSettings m = {};
+    m.step = or_else(o.step, diagonal > 0 ? diagonal / 256 : 1.0f);
+    m.shadow_step = or_else(o.shadow_step, 4 * m.step);
+    m.shadow_reach = or_else(o.shadow_reach, kernels::INFINITE);
+    m.surface_shadow_step = or_else(o.surface_shadow_step, m.shadow_step);
+    m.surface_shadow_reach = or_else(o.surface_shadow_reach, kernels::INFINITE);
+    m.light_reach = o.light_reach;
+    m.naive = o.integration == MarchOptions::Integration::naive;
+    m.jitter = o.jitter;
+    m.shortcuts = o.shortcuts;
+    return m;
 }
 
 // Standard error of a tile over its brightness; dark tiles are judged against a fraction of the picture's brightness,
@@ -96,8 +113,13 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     const ivec2 tiles = tile_count(film);
     std::vector<std::uint8_t> finished(std::size_t(tiles.x) * std::size_t(tiles.y), 0);
     RenderPass pass;
-    pass.settings = {options.seed, options.max_bounces == -2 ? scene.integrator.max_bounces : options.max_bounces,
-                     options.clamp < 0 ? scene.integrator.clamp : float(options.clamp), 4, preview_settings(scene)};
+    pass.settings = {options.seed,
+                     options.max_bounces == -2 ? scene.integrator.max_bounces : options.max_bounces,
+                     options.clamp < 0 ? scene.integrator.clamp : float(options.clamp),
+                     4,
+                     preview_settings(scene),
+                     march_settings(scene),
+                     scene.dvr};
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 

@@ -69,6 +69,9 @@ Result<void> add_voxel_mips(Compilation& c);
 // compile_detail.cpp: the voxel set of a geometry as the camera needs it, by its level of detail.
 VoxelTreePointer detailed_voxels(const Scene& scene, std::size_t geometry, const kernels::Camera* camera);
 
+// compile_dvr.cpp: the transfer function and what `dvr` needs besides; after the instances.
+Result<void> add_dvr(Compilation& c);
+
 mat4x3 affine_product(const mat4x3& a, const mat4x3& b);
 mat4x3 affine_inverse(const mat4x3& m);
 // World bounds of a local box under an affine transform (Arvo 1990), padded by rounding.

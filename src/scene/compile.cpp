@@ -460,6 +460,8 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     add_preview_light(c);
     if (wants_voxel_mips(scene.integrator, options.integrator))
         if (Result<void> added = add_voxel_mips(c); !added) return added.error();
+    if ((options.integrator.empty() ? scene.integrator.name : options.integrator) == "dvr")
+        if (Result<void> added = add_dvr(c); !added) return added.error();
     if (camera)
         if (Result<void> placed = place_camera_inside(c, *camera); !placed) return placed.error();
     return std::move(c.out);

@@ -19,8 +19,8 @@ using kernels::uint;
 using kernels::VoxelLook;
 
 int needs_of(std::string_view integrator) {
-#define SPINEL_INTEGRATOR_NEEDS(number, name, needs, doc) \
-    if (integrator == #name) return needs;
+#define SPINEL_INTEGRATOR_NEEDS(number, name, text, needs, doc) \
+    if (integrator == (text)) return needs;
     SPINEL_INTEGRATORS(SPINEL_INTEGRATOR_NEEDS)
 #undef SPINEL_INTEGRATOR_NEEDS
     return SPINEL_NEEDS_NOTHING;

@@ -8,6 +8,7 @@
 
 #include "core/result.h"
 #include "geometry/mesh/mesh_structures.h"
+#include "kernels/path_settings.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -61,6 +62,7 @@ struct CompiledScene {
 
     Film film;
     IntegratorSettings integrator;
+    kernels::DvrSettings dvr = {};  // its table is in `floats`
     std::vector<std::string> object_names;
     std::vector<MeshStatistics> mesh_statistics;  // parallel to meshes
 

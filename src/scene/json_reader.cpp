@@ -1,5 +1,6 @@
 #include "scene/json_reader.h"
 
+#include "scene/animation.h"
 #include "scene/json_context.h"
 #include "scene/validate.h"
 
@@ -182,6 +183,21 @@ void read_lights(JsonContext& context, const JsonValue& value) {
     });
 }
 
+void read_dvr(JsonContext& context, const JsonValue& value) {
+    DvrOptions& dvr = context.scene.integrator.dvr;
+    context.json.record(value, dvr_record(), &dvr, "dvr of integrator");
+    if (const JsonValue* points = value.find("points"))
+        context.json.elements(*points, "\"points\" of dvr", [&](const JsonValue& element, std::size_t index) {
+            const std::string what = "points[" + std::to_string(index) + "] of dvr";
+            context.json.record(element, transfer_point_record(), &dvr.points.emplace_back(), what);
+        });
+    if (const JsonValue* planes = value.find("clip_planes"))
+        context.json.elements(*planes, "\"clip_planes\" of dvr", [&](const JsonValue& element, std::size_t) {
+            context.json.numbers(element, 4, any, "a plane of \"clip_planes\"", &dvr.clip_planes.emplace_back().x);
+        });
+    check(context, value, dvr, "dvr of integrator");
+}
+
 void read_version(JsonContext& context, const JsonValue& root) {
     const JsonValue* version = root.find("version");
     if (!version) return;  // record() says that it is required
@@ -207,6 +223,9 @@ void read_scene(JsonContext& context, const JsonValue& root) {
     read("film", [&](const JsonValue& value) { context.json.record(value, film_record(), &scene.film, "film"); });
     read("integrator", [&](const JsonValue& value) {
         context.json.record(value, integrator_record(), &scene.integrator, "integrator");
+        if (const JsonValue* march = value.find("march"))
+            context.json.record(*march, march_record(), &scene.integrator.march, "march of integrator");
+        if (const JsonValue* dvr = value.find("dvr")) read_dvr(context, *dvr);
     });
     read("accelerator", [&](const JsonValue& value) {
         context.json.record(value, accelerator_record(), &scene.accelerator, "accelerator");
@@ -237,9 +256,11 @@ std::filesystem::path read_path(JsonContext& context, const JsonValue& value, co
     return context.folder / std::filesystem::path(*text);
 }
 
-Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file, const SceneLoaders& loaders) {
-    const Result<JsonDocument> document = parse_json(std::string(text), file.string());
+Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file, const SceneLoaders& loaders,
+                              const Moment& moment) {
+    Result<JsonDocument> document = parse_json(std::string(text), file.string());
     if (!document) return document.error();
+    if (const Result<void> moved = apply_animation(*document, moment); !moved) return moved.error();
     Scene scene;
     JsonReader json(*document);
     JsonContext context{json, loaders, file.parent_path(), scene};

@@ -19,7 +19,8 @@ struct SceneLoaders {
     std::function<Result<PixelBuffer>(const std::filesystem::path&)> pixels;               // textures, environments
 };
 
-// `file` names the text in messages; its folder is where relative paths start.
-Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file, const SceneLoaders& loaders);
+// `file` names the text in messages; its folder is where relative paths start. An animation is seen at the moment.
+Result<Scene> read_scene_json(std::string_view text, const std::filesystem::path& file, const SceneLoaders& loaders,
+                              const Moment& moment = {});
 
 }  // namespace spinel

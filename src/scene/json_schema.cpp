@@ -171,6 +171,20 @@ OrderedJson definitions() {
     d["film"] = record_schema(film_record(), false);
     d["integrator"] = record_schema(integrator_record(), false);
     d["accelerator"] = record_schema(accelerator_record(), false);
+    d["march"] = record_schema(march_record(), false);
+    d["dvr"] = record_schema(dvr_record(), false);
+    d["transfer_point"] = record_schema(transfer_point_record(), false);
+    d["transfer_points"] = array_of(reference_to("transfer_point"));
+    d["clip_planes"] = array_of(array_of(number, 4));
+    d["rate"] = {{"type", "number"}, {"exclusiveMinimum", 0}, {"maximum", 1e6}};
+    d["formula"] = {{"type", {"number", "string"}}};
+    d["formulas"] = {{"type", "object"}, {"additionalProperties", reference_to("formula")}};
+    d["formula_value"] = {
+        {"anyOf", OrderedJson::array({reference_to("formula"), array_of(reference_to("formula_value"))})}};
+    d["formula_values"] = {{"type", "object"},
+                           {"propertyNames", {{"pattern", "^/"}}},
+                           {"additionalProperties", reference_to("formula_value")}};
+    d["animation"] = record_schema(animation_record(), false);
     d["environment"] = family_schema(environment_family());
     d["texture"] = family_schema(texture_family());
     d["material"] = family_schema(material_family());
@@ -244,6 +258,11 @@ std::string type_text(const Field& field) {
                 {"rounding", "number or list"},
                 {"heights", "list of numbers"},
                 {"palette_list", "list of whole numbers"},
+                {"transfer_points", "list of [points](#transfer_point)"},
+                {"clip_planes", "list of [x, y, z, w]"},
+                {"rate", "number"},
+                {"formulas", "formulas by name"},
+                {"formula_values", "formulas by place"},
                 {"filter", "`nearest`, `linear`"},
                 {"bounds", "two corners"},
                 {"sdf", "text or tree"},
@@ -350,12 +369,15 @@ std::string scene_schema() {
 
 std::string scene_reference() {
     return section("The file", scene_record()) + section("camera", camera_family()) + section("film", film_record()) +
-           section("integrator", integrator_record()) + section("accelerator", accelerator_record()) +
+           section("integrator", integrator_record()) + section("march", march_record()) +
+           section("dvr", dvr_record()) + section("transfer_point", transfer_point_record()) +
+           section("accelerator", accelerator_record()) +
            section("environment", environment_family()) + section("textures", texture_family()) + material_section() +
            preset_section() + section("media", medium_record()) + section("erosion", erosion_record()) +
            section("geometries", geometry_family()) + section("outlines", outlines_record()) +
            section("waves", waves_record()) + sdf_section() + section("objects", object_record()) +
-           section("lights", light_family()) + section("expected", expected_record());
+           section("lights", light_family()) + section("animation", animation_record()) +
+           section("expected", expected_record());
 }
 
 }  // namespace spinel

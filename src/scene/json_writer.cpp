@@ -82,6 +82,10 @@ class Writer {
         root["integrator"] = changes(integrator_record(), &scene_.integrator);
         if (OrderedJson accelerator = changes(accelerator_record(), &scene_.accelerator); !accelerator.empty())
             root["accelerator"] = std::move(accelerator);
+        if (OrderedJson march = changes(march_record(), &scene_.integrator.march); !march.empty())
+            root["integrator"]["march"] = std::move(march);
+        if (OrderedJson dvr = dvr_value(scene_.integrator.dvr); !dvr.empty())
+            root["integrator"]["dvr"] = std::move(dvr);
         environment(root);
         for (std::size_t i = 0; i < textures_.size(); ++i) root["textures"][textures_[i]] = texture(scene_.textures[i]);
         for (std::size_t i = 0; i < materials_.size(); ++i)
@@ -97,6 +101,15 @@ class Writer {
     }
 
   private:
+    OrderedJson dvr_value(const DvrOptions& dvr) {
+        OrderedJson value = changes(dvr_record(), &dvr);
+        for (const TransferPoint& point : dvr.points)
+            value["points"].push_back(changes(transfer_point_record(), &point));
+        for (const vec4& p : dvr.clip_planes)
+            value["clip_planes"].push_back({json_number(p.x), json_number(p.y), json_number(p.z), json_number(p.w)});
+        return value;
+    }
+
     // The rows that differ from their defaults, and those that are required.
     OrderedJson changes(const Record& record, const void* instance) {
         OrderedJson object = OrderedJson::object();

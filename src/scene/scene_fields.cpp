@@ -23,6 +23,27 @@ struct ChoiceNames<ToneMap> {
     static constexpr std::string_view names[] = {"linear", "aces", "agx"};
 };
 template <>
+struct ChoiceNames<MarchOptions::Integration> {
+    static constexpr std::string_view names[] = {"energy_conserving", "naive"};
+};
+template <>
+struct ChoiceNames<DvrOptions::Mode> {
+    static constexpr std::string_view names[] = {"composite", "maximum", "average", "isosurface"};
+};
+template <>
+struct ChoiceNames<DvrOptions::Light> {
+    static constexpr std::string_view names[] = {"camera", "scene"};
+};
+template <>
+struct ChoiceNames<DvrOptions::Preset> {
+    static constexpr std::string_view names[] = {"none",     "ct-bone", "ct-skin", "ct-muscle", "ct-lung",
+                                                 "ct-angio", "ct-xray", "mri",     "solid"};
+};
+template <>
+struct ChoiceNames<DvrOptions::ColorMap> {
+    static constexpr std::string_view names[] = {"none", "grey", "viridis", "inferno", "hot", "cool-warm", "rainbow"};
+};
+template <>
 struct ChoiceNames<PixelFilter> {
     static constexpr std::string_view names[] = {"box", "tent", "gaussian", "blackman_harris"};
 };
@@ -93,6 +114,129 @@ const Record& integrator_record() {
                   "`ao`, `faces`, `cone`: strength of the halo about voxels that emit; 0: none.", non_negative),
             field("glow_radius", &IntegratorSettings::glow_radius, "Reach of that halo; 0: four voxels of the set.",
                   non_negative, "scene units"),
+            by_hand("march", "march", "`single-scatter`: how it marches."),
+            by_hand("dvr", "dvr", "`dvr`: what it shows, and how."),
+        });
+    return table;
+}
+
+const Record& march_record() {
+    static const Record table = record<MarchOptions>(
+        "",
+        "How `single-scatter` marches through media. Light comes from points, spots and directional lights, the last "
+        "without their size; the environment is even light without shadows.",
+        {
+            field("step", &MarchOptions::step, "Step along camera rays; 0: a 256th of the scene's diagonal.",
+                  non_negative, "scene units"),
+            field("shadow_step", &MarchOptions::shadow_step,
+                  "Step from within media towards lights; 0: four times `step`.", non_negative, "scene units"),
+            field("shadow_reach", &MarchOptions::shadow_reach,
+                  "How far media are looked at on that way; 0: all the way.", non_negative, "scene units"),
+            field("surface_shadow_step", &MarchOptions::surface_shadow_step,
+                  "Step from surfaces towards lights; 0: as `shadow_step`.", non_negative, "scene units"),
+            field("surface_shadow_reach", &MarchOptions::surface_shadow_reach,
+                  "How far media are looked at on that way; 0: all the way.", non_negative, "scene units"),
+            field(
+                "light_reach", &MarchOptions::light_reach,
+                "Points and spots fade out by (1 − distance/light_reach)² besides the inverse square; 0: they do not.",
+                non_negative, "scene units"),
+            field("integration", &MarchOptions::integration,
+                  "`energy_conserving`: in closed form within a step; `naive`: the sum of what each step adds, too "
+                  "bright "
+                  "where a step is not thin."),
+            field("jitter", &MarchOptions::jitter,
+                  "Whether marches from camera and surfaces begin at a random part of a step, which turns bands into "
+                  "grain; marches from within media begin at half a step."),
+            field("shortcuts", &MarchOptions::shortcuts,
+                  "Whether the device may go faster ways to the same picture; false: every step of every march is "
+                  "taken."),
+        });
+    return table;
+}
+
+const Record& dvr_record() {
+    static const Record table = record<DvrOptions>(
+        "",
+        "What `dvr` shows of the scene's first volume: its values through a transfer function, in the data's own units "
+        "(Hounsfield, for CT). Windows and points need no knowledge of how the volume is otherwise made a medium.",
+        {
+            field(
+                "mode", &DvrOptions::mode,
+                "Front to back through opacity; the greatest value along a ray; the mean value; the surface where the "
+                "value is `iso`."),
+            field("preset", &DvrOptions::preset,
+                  "Transfer function by name: those of CT in Hounsfield units, `mri` and `solid` over the window; "
+                  "`none`: "
+                  "`points`, or a grey ramp over the window."),
+            by_hand("points", "transfer_points", "The transfer function, in place of a preset."),
+            field("color_map", &DvrOptions::color_map, "Colours over the window, in place of the points'."),
+            field("level", &DvrOptions::level, "Middle of the window.", any, "data units"),
+            field("width", &DvrOptions::width,
+                  "Width of the window, over which `points` are then told from 0 to 1 and a preset is stretched; 0: "
+                  "values "
+                  "are in data units, and what needs a window takes the range of the data.",
+                  non_negative, "data units"),
+            field("opacity", &DvrOptions::opacity, "Multiplies the extinction.", non_negative),
+            field("unit", &DvrOptions::unit, "How thick a layer opacities are told of.", positive, "edges of a voxel"),
+            field("step", &DvrOptions::step, "Step along a ray; opacity is corrected for it.", {0.01, 100},
+                  "edges of a voxel"),
+            field("iso", &DvrOptions::iso, "Value of the surface.", any, "data units"),
+            color("iso_color", &DvrOptions::iso_color, "Its colour.", unit_interval),
+            field("shaded", &DvrOptions::shaded, "Whether the gradient is lit as a surface would be (Blinn–Phong)."),
+            field("light", &DvrOptions::light,
+                  "Where light comes from: the camera, or the scene's sun, its brightest directional light."),
+            field("ambient", &DvrOptions::ambient, "Light that reaches everything.", non_negative),
+            field("diffuse", &DvrOptions::diffuse, "Light that depends on the gradient.", non_negative),
+            field("specular", &DvrOptions::specular, "Strength of highlights.", non_negative),
+            field("shininess", &DvrOptions::shininess, "Their exponent.", {0, 1e4}),
+            field("shadow", &DvrOptions::shadow, "How much of the light the volume may take on its way; 0: none.",
+                  unit_interval),
+            field("shadow_reach", &DvrOptions::shadow_reach, "How far that is looked for.", {0, 1e4},
+                  "edges of a voxel"),
+            field("clip_lower", &DvrOptions::clip_lower, "Lower corner of what is shown, in parts of the volume's box.",
+                  unit_interval),
+            field("clip_upper", &DvrOptions::clip_upper, "Upper corner of it.", unit_interval),
+            by_hand("clip_planes", "clip_planes",
+                    "Up to four [x, y, z, w] in world space: where x·px + y·py + z·pz > w, nothing is shown."),
+            color("background", &DvrOptions::background, "What is seen behind the volume."),
+            field("jitter", &DvrOptions::jitter, "Whether rays begin at a random part of a step."),
+            field("shortcuts", &DvrOptions::shortcuts,
+                  "Whether the device may go faster ways to the same picture; false: every step is taken."),
+        });
+    return table;
+}
+
+const Record& transfer_point_record() {
+    static const Record table = record<TransferPoint>(
+        "", "A point of a transfer function; between points all is linear, outside constant.",
+        {
+            required(
+                field("value", &TransferPoint::value, "In data units, or 0 to 1 over the window if it has a width.")),
+            color("color", &TransferPoint::color, "Linear colour.", unit_interval),
+            field("opacity", &TransferPoint::opacity, "Of a layer as thick as `unit`.", unit_interval),
+        });
+    return table;
+}
+
+const Record& animation_record() {
+    static const Record table = record_by_hand(
+        "",
+        "Values of this file as formulas of time: `spinel render scene.json --frames 0:120 -o frame_%04d.png`. They "
+        "take "
+        "their places before the file is read, so whatever it may say may move; where nobody asks for a frame, frame 0 "
+        "is shown. Formulas have + − * / ^, parentheses, pi, `t` (seconds, frame/fps), `frame`, the variables and "
+        "abs(x), ceil(x), clamp(x, low, high), cos(x), exp(x), floor(x), fract(x), keys(t, t0, v0, t1, v1, …) (linear "
+        "between, constant outside), log(x), max(x, y), min(x, y), mix(a, b, x), mod(x, y), random(n, stream) (uniform "
+        "in 0 … 1, for each whole part of n), sin(x), smoothstep(low, high, x), sqrt(x), step(edge, x), tan(x); angles "
+        "are in radians.",
+        {
+            by_hand("fps", "rate", "Frames a second; 30 without. `--fps` overrides it."),
+            by_hand("variables", "formulas", "Formulas by name, each of which may use those before it."),
+            by_hand(
+                "values", "formula_values",
+                "By the place in this file: \"/lights/0/position/1\", keys, numbers in lists from 0 or the `name` of "
+                "what stands in a list. There has to be a value, which is replaced by a formula, a number or a list "
+                "of these."),
         });
     return table;
 }
@@ -475,6 +619,7 @@ const Record& scene_record() {
             by_hand("geometries", "geometries", "Geometries by name."),
             by_hand("objects", "objects", "List of what stands in the scene."),
             by_hand("lights", "lights", "List of lights that have no surface."),
+            by_hand("animation", "animation", "Values of this file as formulas of time."),
             by_hand("expected", "expected", "Makes the scene a test."),
         });
     return table;

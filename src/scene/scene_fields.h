@@ -75,12 +75,16 @@ struct Family {
 const Record& film_record();
 const Record& integrator_record();
 const Record& accelerator_record();
+const Record& march_record();
+const Record& dvr_record();
+const Record& transfer_point_record();
 const Record& expected_record();
 const Record& medium_record();
 const Record& erosion_record();
 const Record& outlines_record();
 const Record& waves_record();
 const Record& object_record();
+const Record& animation_record();
 const Record& scene_record();
 const Family& camera_family();       // in the order of Camera::Kind
 const Family& environment_family();  // of EnvironmentData without its monostate

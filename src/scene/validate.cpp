@@ -285,6 +285,31 @@ Fault fault(const Light& light) {
         light.data);
 }
 
+Fault fault(const DvrOptions& dvr) {
+    for (const float x :
+         {dvr.width, dvr.opacity, dvr.ambient, dvr.diffuse, dvr.specular, dvr.shininess, dvr.shadow, dvr.shadow_reach})
+        if (!at_least_zero(x)) return "has a number that is negative or not finite";
+    if (!finite(dvr.level) || !finite(dvr.iso)) return "has a level or an iso that is not finite";
+    if (!(dvr.step >= 0.01f && dvr.step <= 100) || !above_zero(dvr.unit))
+        return "has a step that is not from 0.01 to 100, or a unit that is not above 0";
+    if (dvr.shadow > 1) return "has a shadow above 1";
+    if (dvr.points.size() == 1) return "has one of \"points\": a transfer function needs two or more";
+    for (std::size_t i = 0; i < dvr.points.size(); ++i) {
+        const TransferPoint& p = dvr.points[i];
+        if (!finite(p.value) || !at_least_zero(p.color) || !(p.opacity >= 0 && p.opacity <= 1))
+            return "has a point with a value, colour or opacity out of range";
+        if (i > 0 && p.value < dvr.points[i - 1].value) return "has points whose values do not rise";
+    }
+    for (int a = 0; a < 3; ++a)
+        if (!(dvr.clip_lower[a] >= 0 && dvr.clip_lower[a] < dvr.clip_upper[a] && dvr.clip_upper[a] <= 1))
+            return "has a clip_lower that is not below clip_upper, both from 0 to 1";
+    if (dvr.clip_planes.size() > 4) return "has more than 4 clip_planes";
+    for (const vec4& p : dvr.clip_planes)
+        if (!finite(vec3(p)) || !std::isfinite(p.w) || vec3(p) == vec3(0))
+            return "has a clip plane that is not finite or has no normal";
+    return {};
+}
+
 Fault fault(const Medium& medium) {
     if (!at_least_zero(medium.scattering) || !at_least_zero(medium.absorption) || !at_least_zero(medium.emission))
         return "has a coefficient or emission that is negative or not finite";
@@ -402,6 +427,11 @@ Result<void> validate(const Scene& scene) {
     for (const float x : {scene.integrator.ao_radius, scene.integrator.ao_strength, scene.integrator.glow,
                           scene.integrator.glow_radius})
         if (!at_least_zero(x)) return Error{"integrator has a radius or a strength that is negative or not finite"};
+    const MarchOptions& march = scene.integrator.march;
+    for (const float x : {march.step, march.shadow_step, march.shadow_reach, march.surface_shadow_step,
+                          march.surface_shadow_reach, march.light_reach})
+        if (!at_least_zero(x)) return Error{"march of integrator has a step or a reach that is negative or not finite"};
+    if (const Fault f = fault(scene.integrator.dvr)) return Error{"dvr of integrator " + *f};
     if (scene.integrator.ao_strength > 1) return Error{"integrator has ao_strength above 1"};
     if (const Fault f = fault(scene.environment)) return error("environment", f);
     if (auto result = each("camera", scene.cameras); !result) return result;

@@ -24,6 +24,7 @@ std::optional<std::string> fault(const Grid& grid);
 std::optional<std::string> fault(const Geometry& geometry);
 std::optional<std::string> fault(const EnvironmentData& environment);
 std::optional<std::string> fault(const Texture& texture);
+std::optional<std::string> fault(const DvrOptions& dvr);
 std::optional<std::string> transform_fault(const mat4x3& transform);
 
 // Material slots that the primitives of a geometry use.

@@ -292,7 +292,7 @@ TEST_F(CliTrace, heights_and_frames_are_chosen_as_for_a_picture) {
     refused({at("step.pgm"), "--heightmap", "nan"}, 2, "--heightmap");
     refused({at("step.pgm"), "--heightmap", "12", "--frame", "1"}, 1, "no frames");
     write("scene.json", R"({"version": 1})");
-    refused({at("scene.json"), "--frame", "1"}, 1, "chosen inside of a scene file");
+    refused({at("scene.json"), "--frame", "1"}, 1, "the scene has no \"animation\"");
 }
 
 }  // namespace

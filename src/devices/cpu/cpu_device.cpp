@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
+#include <memory>
 #include <vector>
 
 #include "core/parallel.h"
+#include "devices/cpu/dvr_packet.h"
+#include "devices/cpu/march.h"
 #include "devices/cpu/packet_trace.h"
 #include "kernels/integrators.h"
 #include "kernels/traverse.h"
@@ -18,7 +22,10 @@ using kernels::Hit;
 using kernels::PathState;
 using kernels::PixelSample;
 
+// Numbers of kernels/integrator_table.h.
 constexpr std::uint32_t path_integrator = 0;
+constexpr std::uint32_t single_scatter_integrator = 5;
+constexpr std::uint32_t dvr_integrator = 6;
 
 struct PixelIndex {
     glm::uvec2 pixel;
@@ -42,12 +49,17 @@ std::vector<glm::uvec2> pixels_in_blocks(const Crop& tile) {
 class CpuDevice : public Device {
   public:
     Result<void> load(const CompiledScene& scene) override {
+        scene_ = &scene;
+        march_.reset();
+        // Scenes that were compiled for `dvr` have a transfer function.
+        dvr_ = scene.dvr.table_size > 0 && scene.dvr.shortcuts ? DvrPackets::make(scene, scene.dvr) : nullptr;
         view_ = scene.view();
         packets_ = !scene.voxel_grids.empty();
         return {};
     }
 
     Result<void> render(const RenderPass& pass, FilmBuffer& film, const std::atomic<bool>& stop) override {
+        prepare(pass);
         const ivec2 tiles = tile_count(film);
         std::atomic<std::uint64_t> bound_reached{0}, not_finite{0};
         parallel_for(std::size_t(tiles.x) * std::size_t(tiles.y), 1, [&](std::size_t begin, std::size_t end) {
@@ -62,6 +74,14 @@ class CpuDevice : public Device {
     }
 
   private:
+    // What an integrator's shortcuts need is made by the first pass.
+    void prepare(const RenderPass& pass) {
+        const kernels::MarchSettings& march = pass.settings.march;
+        if (pass.integrator == single_scatter_integrator && march.shortcuts &&
+            (!march_ || std::memcmp(&march_->settings(), &march, sizeof march) != 0))
+            march_ = std::make_unique<MarchShortcuts>(*scene_, march);
+    }
+
     void render_tile(const RenderPass& pass, const Crop& tile, FilmBuffer& film, const std::atomic<bool>& stop,
                      std::atomic<std::uint64_t>& bound_reached, std::atomic<std::uint64_t>& not_finite) const {
         Group group;
@@ -88,6 +108,8 @@ class CpuDevice : public Device {
     // A group is nothing but company for the rays: what a sample comes to does not depend on the others.
     void integrate(const RenderPass& pass, const Group& group, std::size_t size,
                    std::array<PixelSample, packet_size>& samples) const {
+        if (pass.integrator == dvr_integrator && dvr_ && !dvr_->wants_hits())
+            return volumes(pass, group, size, samples);
         PathState states[packet_size];
         Hit hits[packet_size];
         for (std::size_t i = 0; i < size; ++i)
@@ -109,8 +131,37 @@ class CpuDevice : public Device {
             }
             return;
         }
+        if (pass.integrator == dvr_integrator && dvr_) {
+            kernels::Ray rays[packet_size];
+            kernels::Sampler numbers[packet_size];
+            for (std::size_t i = 0; i < size; ++i) {
+                rays[i] = states[i].ray;
+                numbers[i] = states[i].numbers;
+            }
+            return dvr_->render(rays, hits, numbers, int(size), samples.data());
+        }
+        if (pass.integrator == single_scatter_integrator && pass.settings.march.shortcuts) {
+            for (std::size_t i = 0; i < size; ++i)
+                samples[i] = march_->sample(states[i].ray, states[i].inside, hits[i], states[i].numbers);
+            return;
+        }
         for (std::size_t i = 0; i < size; ++i)
             samples[i] = kernels::integrate(view_, pass.settings, pass.integrator, states[i], hits[i]);
+    }
+
+    // Rays that no surface is in the way of, begun as path_generate() begins them.
+    void volumes(const RenderPass& pass, const Group& group, std::size_t size,
+                 std::array<PixelSample, packet_size>& samples) const {
+        kernels::Ray rays[packet_size];
+        kernels::Sampler numbers[packet_size];
+        for (std::size_t i = 0; i < size; ++i) {
+            numbers[i] = kernels::make_sampler(group[i].pixel, group[i].sample, pass.settings.seed);
+            const glm::vec2 u_film = kernels::sampler_2d(numbers[i]);
+            const glm::vec2 u_lens = kernels::sampler_2d(numbers[i]);
+            numbers[i].dimension += 1;  // the hero channel of paths
+            rays[i] = kernels::camera_ray(view_.camera, group[i].pixel, u_film, u_lens);
+        }
+        dvr_->render(rays, nullptr, numbers, int(size), samples.data());
     }
 
     // The first step of path_follow for all, so that their shadow rays go together too.
@@ -133,7 +184,10 @@ class CpuDevice : public Device {
         }
     }
 
+    const CompiledScene* scene_ = nullptr;
     kernels::SceneView view_ = {};
+    std::unique_ptr<MarchShortcuts> march_;
+    std::unique_ptr<DvrPackets> dvr_;
     bool packets_ = false;
 };
 

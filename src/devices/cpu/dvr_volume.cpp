@@ -1,0 +1,193 @@
+#include "devices/cpu/dvr_volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "kernels/density.h"
+#include "kernels/transfer.h"
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+namespace spinel {
+
+namespace {
+
+// The two samples at an index and the next one, the first in the lower half.
+Int8 pairs_at(const std::uint16_t* samples, Int8 index) {
+#ifdef __AVX2__
+    return Int8(_mm256_i32gather_epi32(reinterpret_cast<const int*>(samples), __m256i(index), 2));
+#else
+    Int8 pairs;
+    for (int i = 0; i < 8; ++i) pairs[i] = int(samples[index[i]] | std::uint32_t(samples[index[i] + 1]) << 16);
+    return pairs;
+#endif
+}
+
+Float8 lower(Int8 pairs) { return to_float(pairs & 0xffff); }
+Float8 upper(Int8 pairs) { return to_float(Int8(Uint8(pairs) >> 16)); }
+Float8 between(Int8 pairs, Float8 x) { return mix8(lower(pairs), upper(pairs), x); }
+
+constexpr int far_away = 255;
+
+}  // namespace
+
+DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings& settings) {
+    const kernels::DensityGrid& grid = view.grids.at[view.media.at[settings.medium].grid];
+    size_ = grid.size;
+    row_ = size_.x + 2 * margin;
+    layer_ = row_ * (size_.y + 2 * margin);
+    const int layers = size_.z + 2 * margin;
+    const auto sample = [&](ivec3 i) { return kernels::grid_density(view, grid, vec3(i) + 0.5f); };
+    // Whole numbers of a small range, as scanners write them, are kept as they are.
+    std::vector<vec2> ranges(std::size_t(size_.z), vec2(1e30f, -1e30f));
+    std::vector<std::uint8_t> whole(std::size_t(size_.z), 1);
+    parallel_for(std::size_t(size_.z), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t z = begin; z < end; ++z)
+            for (int y = 0; y < size_.y; ++y)
+                for (int x = 0; x < size_.x; ++x) {
+                    const float v = sample({x, y, int(z)});
+                    ranges[z] = {std::min(ranges[z].x, v), std::max(ranges[z].y, v)};
+                    if (v != std::floor(v)) whole[z] = 0;
+                }
+    });
+    float low = 1e30f, high = -1e30f;
+    for (const vec2& r : ranges) low = std::min(low, r.x), high = std::max(high, r.y);
+    const bool integers =
+        high - low <= 65535 && std::all_of(whole.begin(), whole.end(), [](std::uint8_t w) { return w != 0; });
+    const float unit = integers || !(high > low) ? 1.0f : (high - low) / 65535;
+    to_place_ = unit * settings.scale;
+    place_zero_ = (low - settings.low) * settings.scale;
+    samples_.resize(std::size_t(layer_) * std::size_t(layers) + 2);
+    parallel_for(std::size_t(layers), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            for (int j = 0; j < size_.y + 2 * margin; ++j)
+                for (int i = 0; i < row_; ++i) {
+                    const ivec3 at = glm::clamp(ivec3(i, j, int(k)) - margin, ivec3(0), size_ - 1);
+                    samples_[std::size_t(i) + std::size_t(row_) * std::size_t(j) + std::size_t(layer_) * k] =
+                        std::uint16_t(std::lround((sample(at) - low) / unit));
+                }
+    });
+    // A step or a sample's neighbour may see as far as this.
+    const float along = glm::length(vec3(view.media.at[settings.medium].world_to_grid[0])) * settings.step;
+    find_distances(view, settings, 1 + int(std::ceil(std::max(along, 1.0f))));
+}
+
+// Bricks whose samples, and those in reach of a step, map to no extinction are empty; the distance to others is that
+// of a king's moves.
+void DvrVolume::find_distances(const kernels::SceneView& view, const kernels::DvrSettings& settings, int reach) {
+    const auto extinction = [&](uint i) { return view.floats.at[settings.table_first + 4 * i + 3]; };
+    std::vector<std::uint32_t> visible_before(settings.table_size + 1, 0);  // entries below with an extinction
+    for (kernels::uint i = 0; i < settings.table_size; ++i)
+        visible_before[i + 1] = visible_before[i] + (extinction(i) > 0);
+    kernels::uint first = 0;
+    while (first < settings.table_size && !(extinction(first) > 0)) ++first;
+    first_visible_ = float(first) - 1;
+    bricks_ = (size_ + (brick - 1)) / brick;
+    distances_.assign(std::size_t(bricks_.x) * std::size_t(bricks_.y) * std::size_t(bricks_.z), far_away);
+    const float last = float(settings.table_size - 1);
+    parallel_for(std::size_t(bricks_.z), 1, [&](std::size_t begin, std::size_t end) {
+        for (int k = int(begin); k < int(end); ++k)
+            for (int j = 0; j < bricks_.y; ++j)
+                for (int i = 0; i < bricks_.x; ++i) {
+                    const ivec3 lo = glm::max(ivec3(i, j, k) * brick - reach, ivec3(0));
+                    const ivec3 hi = glm::min((ivec3(i, j, k) + 1) * brick + reach, size_);
+                    int least = 65535, most = 0;
+                    for (int z = lo.z; z < hi.z; ++z)
+                        for (int y = lo.y; y < hi.y; ++y) {
+                            const std::uint16_t* row = samples_.data() + margin +
+                                                       std::size_t(row_) * std::size_t(y + margin) +
+                                                       std::size_t(layer_) * std::size_t(z + margin);
+                            for (int x = lo.x; x < hi.x; ++x) {
+                                least = std::min<int>(least, row[x]);
+                                most = std::max<int>(most, row[x]);
+                            }
+                        }
+                    const float from = std::clamp(float(least) * to_place_ + place_zero_, 0.0f, last);
+                    const float to = std::clamp(float(most) * to_place_ + place_zero_, 0.0f, last);
+                    const auto below = kernels::uint(std::floor(from)), above = kernels::uint(std::ceil(to));
+                    if (visible_before[above + 1] > visible_before[below])
+                        distances_[std::size_t(i) + std::size_t(bricks_.x) *
+                                                        (std::size_t(j) + std::size_t(bricks_.y) * std::size_t(k))] = 0;
+                }
+    });
+    // Along each axis in turn: the distance of a king's moves is the greatest of the three.
+    const std::size_t strides[3] = {1, std::size_t(bricks_.x), std::size_t(bricks_.x) * std::size_t(bricks_.y)};
+    std::vector<std::uint8_t> line;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3, count = bricks_[axis];
+        line.resize(std::size_t(count));
+        for (int a = 0; a < bricks_[u]; ++a)
+            for (int b = 0; b < bricks_[v]; ++b) {
+                std::uint8_t* at = distances_.data() + std::size_t(a) * strides[u] + std::size_t(b) * strides[v];
+                for (int i = 0; i < count; ++i) {
+                    int best = far_away;
+                    // Nothing nearer lies beyond what is found already.
+                    for (int d = 0; d < best && (i - d >= 0 || i + d < count); ++d) {
+                        if (i - d >= 0) best = std::min(best, std::max(d, int(at[std::size_t(i - d) * strides[axis]])));
+                        if (i + d < count)
+                            best = std::min(best, std::max(d, int(at[std::size_t(i + d) * strides[axis]])));
+                    }
+                    line[std::size_t(i)] = std::uint8_t(best);
+                }
+                for (int i = 0; i < count; ++i) at[std::size_t(i) * strides[axis]] = line[std::size_t(i)];
+            }
+    }
+}
+
+DvrVolume::Cell DvrVolume::cell(Vec8 p) const {
+    const Float8 zero = splat(0.0f);
+    // Sample i sits at i + ½.
+    const Float8 x = minimum(maximum(p.x, zero), splat(float(size_.x))) + (float(margin) - 0.5f);
+    const Float8 y = minimum(maximum(p.y, zero), splat(float(size_.y))) + (float(margin) - 0.5f);
+    const Float8 z = minimum(maximum(p.z, zero), splat(float(size_.z))) + (float(margin) - 0.5f);
+    const Int8 i = to_int(x), j = to_int(y), k = to_int(z);
+    return {i + j * row_ + k * layer_, x - to_float(i), y - to_float(j), z - to_float(k)};
+}
+
+Float8 DvrVolume::place(Vec8 p) const {
+    const Cell c = cell(p);
+    const std::uint16_t* s = samples_.data();
+    const Float8 low = mix8(between(pairs_at(s, c.index), c.x), between(pairs_at(s, c.index + row_), c.x), c.y);
+    const Float8 high =
+        mix8(between(pairs_at(s, c.index + layer_), c.x), between(pairs_at(s, c.index + layer_ + row_), c.x), c.y);
+    return mix8(low, high, c.z) * to_place_ + place_zero_;
+}
+
+Vec8 DvrVolume::gradient(Vec8 p) const {
+    const Cell c = cell(p);
+    const std::uint16_t* s = samples_.data();
+    // Rows of four samples along x through the cell's four edges: value in the middle and slope.
+    const auto value_and_slope = [&](int offset, Float8& slope) {
+        const Int8 left = pairs_at(s, c.index + (offset - 1)), right = pairs_at(s, c.index + (offset + 1));
+        const Float8 v0 = upper(left), v1 = lower(right);
+        slope = mix8(v1 - lower(left), upper(right) - v0, c.x);
+        return mix8(v0, v1, c.x);
+    };
+    Float8 s00, s10, s01, s11;
+    const Float8 v00 = value_and_slope(0, s00), v10 = value_and_slope(row_, s10);
+    const Float8 v01 = value_and_slope(layer_, s01), v11 = value_and_slope(layer_ + row_, s11);
+    const auto value = [&](int offset) { return between(pairs_at(s, c.index + offset), c.x); };
+    const Float8 below0 = value(-row_), above0 = value(2 * row_);
+    const Float8 below1 = value(layer_ - row_), above1 = value(layer_ + 2 * row_);
+    const Float8 before0 = value(-layer_), before1 = value(-layer_ + row_);
+    const Float8 behind0 = value(2 * layer_), behind1 = value(2 * layer_ + row_);
+    return {mix8(mix8(s00, s10, c.y), mix8(s01, s11, c.y), c.z),
+            mix8(mix8(v10 - below0, above0 - v00, c.y), mix8(v11 - below1, above1 - v01, c.y), c.z),
+            mix8(mix8(v01 - before0, v11 - before1, c.y), mix8(behind0 - v00, behind1 - v10, c.y), c.z)};
+}
+
+Int8 DvrVolume::distance(const Vec8& p) const {
+    const Int8 zero = splat(0);
+    const Int8 i = maximum(minimum(to_int(p.x * (1.0f / brick)), splat(bricks_.x - 1)), zero);
+    const Int8 j = maximum(minimum(to_int(p.y * (1.0f / brick)), splat(bricks_.y - 1)), zero);
+    const Int8 k = maximum(minimum(to_int(p.z * (1.0f / brick)), splat(bricks_.z - 1)), zero);
+    const Int8 at = i + bricks_.x * (j + bricks_.y * k);
+    Int8 d;
+    for (int lane = 0; lane < 8; ++lane) d[lane] = distances_[std::size_t(at[lane])];
+    return d;
+}
+
+}  // namespace spinel
