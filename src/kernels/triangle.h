@@ -8,14 +8,13 @@
 // same way in every triangle that shares it, and the signs are exact for the rounded vertices; so neighbours
 // never disagree about their edge, and no ray slips between. Two departures from the paper, so that it reads
 // the same in C++ and GLSL:
-//   · the permutation of the axes is folded into the rows of the shear (entries 0, 1 and −shear): no dynamic
-//   indexing; · instead of a fallback to double precision when an edge function is zero, it is always
-//   computed as Kahan's
-//     difference of products, whose error of 1.5 ulp of the *result* leaves the sign exact (Jeannerod,
-//     Louvet, Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2×2
-//     determinants", Math. Comp. 82, 2013). Where hardware has no fused multiply-add, C++ takes exact
-//     products in double; GLSL may split fma, and then a sign may come out as zero, which counts as a hit in
-//     both neighbours: still no gap.
+//   · axes are permuted cyclically, without regard to winding, by selection: no dynamic indexing;
+//   · instead of a fallback to double precision when an edge function is zero, it is always computed as Kahan's
+//     difference of products, whose error of 1.5 ulp of the *result* leaves the sign exact (Jeannerod, Louvet, Muller,
+//     "Further analysis of Kahan's algorithm for the accurate computation of 2×2 determinants", Math. Comp. 82, 2013).
+//     Where hardware has no fused multiply-add, C++ takes exact products in double; GLSL may split fma, and then a sign
+//     may come out as zero, which counts as a hit in both neighbours: still no gap.
+// Vectorised walks (devices/cpu/mesh_walk_avx2.cpp) do the same operations in the same order.
 // Coordinates between 1e-15 and 1e15 keep the products within range of a float.
 //
 // triangle_moller_trumbore: Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1),
@@ -52,31 +51,28 @@ FN float difference_of_products(float a, float b, float c, float d) {
 }
 #endif
 
-FN float exact_row(vec3 row, vec3 v) { return multiply_add(row.x, v.x, multiply_add(row.y, v.y, row.z * v.z)); }
-
 // The space in which the ray is the z axis, t grows along it at unit speed, and the origin is the ray's.
 struct TriangleRay {
     vec3 origin;
-    vec3 x_row;
-    vec3 y_row;
-    vec3 z_row;
+    uint axis;  // of the direction's largest component: z
+    vec3 shear;
 };
 
+// The components of v from the one behind `axis` on, cyclically: that of the axis itself is the last.
+FN vec3 turned(vec3 v, uint axis) { return axis == 0u ? vec3(v.y, v.z, v.x) : (axis == 1u ? vec3(v.z, v.x, v.y) : v); }
+
 FN TriangleRay triangle_ray(Ray ray) {
-    vec3 d = ray.direction;
-    vec3 m = abs(d);
-    // z is the axis of the largest component. Winding does not matter here, so x and y need not be swapped by
-    // its sign.
-    if (m.x >= m.y && m.x >= m.z) {
-        float s = 1.0f / d.x;
-        return TriangleRay(ray.origin, vec3(-d.y * s, 1.0f, 0.0f), vec3(-d.z * s, 0.0f, 1.0f), vec3(s, 0.0f, 0.0f));
-    }
-    if (m.y >= m.z) {
-        float s = 1.0f / d.y;
-        return TriangleRay(ray.origin, vec3(0.0f, -d.z * s, 1.0f), vec3(1.0f, -d.x * s, 0.0f), vec3(0.0f, s, 0.0f));
-    }
+    vec3 m = abs(ray.direction);
+    uint axis = m.x >= m.y && m.x >= m.z ? 0u : (m.y >= m.z ? 1u : 2u);
+    // Winding does not matter here, so x and y need not be swapped by the sign of z.
+    vec3 d = turned(ray.direction, axis);
     float s = 1.0f / d.z;
-    return TriangleRay(ray.origin, vec3(1.0f, 0.0f, -d.x * s), vec3(0.0f, 1.0f, -d.y * s), vec3(0.0f, 0.0f, s));
+    return TriangleRay(ray.origin, axis, vec3(-d.x * s, -d.y * s, s));
+}
+
+FN vec3 sheared_vertex(const_in(TriangleRay) ray, vec3 vertex) {
+    vec3 v = turned(vertex - ray.origin, ray.axis);
+    return vec3(multiply_add(ray.shear.x, v.z, v.x), multiply_add(ray.shear.y, v.z, v.y), ray.shear.z * v.z);
 }
 
 struct TriangleHit {
@@ -87,24 +83,18 @@ struct TriangleHit {
 
 FN bool triangle_watertight(const_in(TriangleRay) ray, const_in(Triangle) triangle, float t_min, float t_max,
                             inout(TriangleHit) hit) {
-    vec3 a = triangle.a - ray.origin;
-    vec3 b = triangle.b - ray.origin;
-    vec3 c = triangle.c - ray.origin;
-    float ax = exact_row(ray.x_row, a);
-    float ay = exact_row(ray.y_row, a);
-    float bx = exact_row(ray.x_row, b);
-    float by = exact_row(ray.y_row, b);
-    float cx = exact_row(ray.x_row, c);
-    float cy = exact_row(ray.y_row, c);
+    vec3 a = sheared_vertex(ray, triangle.a);
+    vec3 b = sheared_vertex(ray, triangle.b);
+    vec3 c = sheared_vertex(ray, triangle.c);
     // Twice the areas that the ray spans with the edges: weights of a, b and c.
-    float u = difference_of_products(cx, by, cy, bx);
-    float v = difference_of_products(ax, cy, ay, cx);
-    float w = difference_of_products(bx, ay, by, ax);
+    float u = difference_of_products(c.x, b.y, c.y, b.x);
+    float v = difference_of_products(a.x, c.y, a.y, c.x);
+    float w = difference_of_products(b.x, a.y, b.y, a.x);
     if (min(min(u, v), w) < 0.0f && max(max(u, v), w) > 0.0f) return false;
     float determinant = u + v + w;
     if (!(abs(determinant) > 0.0f)) return false;  // seen edge-on, or NaN
     float inverse = 1.0f / determinant;
-    float t = (u * dot(ray.z_row, a) + v * dot(ray.z_row, b) + w * dot(ray.z_row, c)) * inverse;
+    float t = multiply_add(u, a.z, multiply_add(v, b.z, w * c.z)) * inverse;
     if (!(t > t_min && t < t_max)) return false;
     hit.t = t;
     hit.u = v * inverse;

@@ -1,0 +1,230 @@
+#include "accel/wide_bvh.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <limits>
+
+#include "core/parallel.h"
+
+namespace spinel {
+namespace {
+
+using kernels::BvhNode;
+
+constexpr std::uint32_t width = 8;
+constexpr std::uint32_t block_size = 4;
+
+std::uint32_t blocks_for(std::uint32_t count) { return (count + block_size - 1) / block_size; }
+
+float half_area(const BvhNode& n) {
+    const glm::vec3 e = n.upper - n.lower;
+    return e.x * e.y + e.y * e.z + e.z * e.x;
+}
+
+// What is the cheapest way to stand for a subtree of the binary tree as at most i children of a wide node (i = 1 … 7;
+// as one child: a leaf or a wide node of its own)? Of a node: the cost for each i, and how that is reached.
+struct Choice {
+    std::array<float, width> cost;         // [i − 1]; [7] is of all eight children of a node of its own
+    std::array<std::uint8_t, width> left;  // of i children those that stand for the left subtree; 0: as for i − 1
+    std::uint32_t first;                   // of the subtree's primitives in the order of leaves …
+    std::uint32_t count;                   // … and how many
+    bool leaf;                             // as one child, a leaf is the cheapest
+};
+
+class Collapse {
+  public:
+    Collapse(const Bvh& binary, std::span<const kernels::Triangle> triangles, const WideBvhOptions& options)
+        : binary_(binary), triangles_(triangles), options_(options) {}
+
+    WideBvh run() {
+        choose();
+        place();
+        write();
+        const double root_area = half_area(binary_.nodes[0]);
+        out_.statistics.sah_cost = root_area > 0 ? choices_[0].cost[0] / root_area : 0;
+        return std::move(out_);
+    }
+
+  private:
+    // Children stand behind their parents, so from the end to the beginning is from the leaves to the root.
+    void choose() {
+        const auto& nodes = binary_.nodes;
+        choices_.resize(nodes.size());
+        for (std::size_t n = nodes.size(); n-- > 0;) {
+            Choice& c = choices_[n];
+            const float area = half_area(nodes[n]);
+            const auto cost_of_leaf = [&](std::uint32_t count) {
+                return area * options_.block_cost * float(blocks_for(count));
+            };
+            c.left.fill(0);
+            if (nodes[n].count > 0) {
+                c.first = nodes[n].first;
+                c.count = nodes[n].count;
+                c.leaf = true;
+                c.cost.fill(cost_of_leaf(c.count));
+                continue;
+            }
+            const Choice &l = choices_[nodes[n].first], &r = choices_[nodes[n].first + 1];
+            c.first = std::min(l.first, r.first);
+            c.count = l.count + r.count;
+            for (std::uint32_t i = 2; i <= width; ++i) {
+                c.cost[i - 1] = std::numeric_limits<float>::infinity();
+                for (std::uint32_t k = 1; k < i; ++k)
+                    if (const float cost = l.cost[k - 1] + r.cost[i - k - 1]; cost < c.cost[i - 1]) {
+                        c.cost[i - 1] = cost;
+                        c.left[i - 1] = std::uint8_t(k);
+                    }
+            }
+            const float as_node = area * options_.node_cost + c.cost[width - 1];
+            const bool fits = blocks_for(c.count) <= options_.max_leaf_blocks;
+            c.leaf = fits && cost_of_leaf(c.count) <= as_node;
+            c.cost[0] = c.leaf ? cost_of_leaf(c.count) : as_node;
+            for (std::uint32_t i = 2; i < width; ++i)
+                if (!(c.cost[i - 1] < c.cost[i - 2])) {
+                    c.cost[i - 1] = c.cost[i - 2];
+                    c.left[i - 1] = 0;
+                }
+        }
+    }
+
+    // The binary nodes that become the children of node n's wide node.
+    std::uint32_t children_of(std::uint32_t n, std::array<std::uint32_t, width>& children) const {
+        std::uint32_t count = 0;
+        if (choices_[n].leaf) {  // the root alone
+            children[count++] = n;
+            return count;
+        }
+        struct Part {
+            std::uint32_t node, slots;
+        };
+        std::array<Part, width> stack;
+        std::uint32_t size = 0;
+        stack[size++] = {n, width};
+        while (size > 0) {
+            Part part = stack[--size];
+            const Choice& c = choices_[part.node];
+            while (part.slots > 1 && c.left[part.slots - 1] == 0) --part.slots;
+            if (part.slots == 1) {
+                children[count++] = part.node;
+                continue;
+            }
+            const std::uint32_t left = c.left[part.slots - 1], first = binary_.nodes[part.node].first;
+            stack[size++] = {first + 1, part.slots - left};
+            stack[size++] = {first, left};
+        }
+        return count;
+    }
+
+    // A node of the wide tree, where it will stand.
+    struct Place {
+        std::uint32_t count;
+        std::array<std::uint32_t, width> children;    // in the binary tree
+        std::array<std::uint32_t, width> references;  // as WideUnit tells
+        std::uint32_t unit;
+    };
+
+    // Walks that ask for any hit take children in the order of their boxes: first those with the largest area for each
+    // triangle, where one is met soonest. (Measured against the binary tree's order: 1.4 to 1.9 times as fast in
+    // rooms.)
+    void sort(std::array<std::uint32_t, width>& children, std::uint32_t count) const {
+        const auto promise = [this](std::uint32_t n) { return half_area(binary_.nodes[n]) / float(choices_[n].count); };
+        std::stable_sort(children.begin(), children.begin() + count,
+                         [&](std::uint32_t a, std::uint32_t b) { return promise(a) > promise(b); });
+    }
+
+    // Nodes in depth-first order, each followed by its leaves' blocks.
+    void place() {
+        struct Pending {
+            std::uint32_t node, depth;
+            std::uint32_t parent, lane;  // in places_; the root has none
+        };
+        auto& statistics = out_.statistics;
+        std::size_t next = 0;
+        std::vector<Pending> stack{{0, 0, 0, width}};
+        while (!stack.empty()) {
+            const Pending pending = stack.back();
+            stack.pop_back();
+            statistics.depth = std::max(statistics.depth, pending.depth);
+            assert(next < std::size_t(1) << 28);
+            if (pending.lane < width) places_[pending.parent].references[pending.lane] = std::uint32_t(next);
+            Place& place = places_.emplace_back();
+            const auto index = std::uint32_t(places_.size() - 1);
+            place.unit = std::uint32_t(next);
+            place.count = children_of(pending.node, place.children);
+            place.references.fill(0);
+            sort(place.children, place.count);
+            next += wide_node_units;
+            for (std::uint32_t i = 0; i < place.count; ++i) {
+                const Choice& c = choices_[place.children[i]];
+                if (!c.leaf) continue;
+                const std::uint32_t blocks = blocks_for(c.count);
+                place.references[i] = blocks << 28 | std::uint32_t(next);
+                next += blocks * wide_block_units;
+                statistics.triangle_count += c.count;
+                statistics.block_count += blocks;
+            }
+            for (std::uint32_t i = place.count; i-- > 0;)
+                if (!choices_[place.children[i]].leaf)
+                    stack.push_back({place.children[i], pending.depth + 1, index, i});
+        }
+        statistics.node_count = std::uint32_t(places_.size());
+        out_.units.resize(next);
+    }
+
+    void write() {
+        parallel_for(places_.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) write_node(places_[i]);
+        });
+    }
+
+    void write_node(const Place& place) {
+        constexpr float inf = std::numeric_limits<float>::infinity();
+        WideUnit* const units = &out_.units[place.unit];
+        for (std::uint32_t i = 0; i < width; ++i) {
+            for (int axis = 0; axis < 3; ++axis) {
+                units[2 * axis].lanes[i] = i < place.count ? binary_.nodes[place.children[i]].lower[axis] : inf;
+                units[2 * axis + 1].lanes[i] = i < place.count ? binary_.nodes[place.children[i]].upper[axis] : -inf;
+            }
+            units[6].lanes[i] = std::bit_cast<float>(place.references[i]);
+        }
+        for (std::uint32_t i = 0; i < place.count; ++i) {
+            const Choice& c = choices_[place.children[i]];
+            if (!c.leaf) continue;
+            WideUnit* block = &out_.units[place.references[i] & 0xfffffffu];
+            for (std::uint32_t first = 0; first < c.count; first += block_size, block += wide_block_units)
+                write_block(block->lanes, c.first + first, std::min(block_size, c.count - first));
+        }
+    }
+
+    void write_block(float* rows, std::uint32_t first, std::uint32_t count) {
+        for (std::uint32_t lane = 0; lane < block_size; ++lane) {
+            const std::uint32_t triangle = binary_.order[first + std::min(lane, count - 1)];
+            const kernels::Triangle& t = triangles_[triangle];
+            for (std::uint32_t axis = 0; axis < 3; ++axis) {
+                rows[axis * block_size + lane] = t.a[int(axis)];
+                rows[(3 + axis) * block_size + lane] = t.b[int(axis)];
+                rows[(6 + axis) * block_size + lane] = t.c[int(axis)];
+            }
+            rows[9 * block_size + lane] = std::bit_cast<float>(triangle);
+        }
+    }
+
+    const Bvh& binary_;
+    std::span<const kernels::Triangle> triangles_;
+    const WideBvhOptions& options_;
+    HugeVector<Choice> choices_;
+    std::vector<Place> places_;
+    WideBvh out_;
+};
+
+}  // namespace
+
+WideBvh collapse_bvh(const Bvh& binary, std::span<const kernels::Triangle> triangles, const WideBvhOptions& options) {
+    assert(options.max_leaf_blocks >= 1 && options.max_leaf_blocks <= 15);
+    if (binary.nodes.empty()) return {};
+    return Collapse(binary, triangles, options).run();
+}
+
+}  // namespace spinel

@@ -1,0 +1,52 @@
+#pragma once
+// Makes eight-wide hierarchies, which CPUs walk, out of binary ones. Which nodes of the binary tree become
+// children of one wide node, and which subtrees become leaves, is chosen for the least expected cost by dynamic
+// programming over the binary tree: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+// Compressed Wide BVHs", HPG 2017, section 2.2.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "accel/bvh_builder.h"
+#include "core/huge_pages.h"
+
+namespace spinel {
+
+// A wide hierarchy consists of units of eight lanes. An interior node is wide_node_units of them: the planes lower x,
+// upper x, lower y, upper y, lower z, upper z of eight boxes, then their references; boxes that are not used are
+// inverted. A reference's upper four bits count the blocks of a leaf, 0: a node; the lower ones say where it begins, in
+// units from the root. A block is wide_block_units: rows of four lanes, x, y and z of the vertices a, b, c of four
+// triangles, then their indices; where there are fewer, the last is repeated.
+struct alignas(32) WideUnit {
+    float lanes[8];
+};
+inline constexpr std::uint32_t wide_node_units = 7;
+inline constexpr std::uint32_t wide_block_units = 5;
+
+struct WideBvhOptions {
+    std::uint32_t max_leaf_blocks = 2;  // of four triangles each, at most 15
+    float node_cost = 1.0f;             // of eight boxes at once …
+    float block_cost = 1.0f;            // … and of four triangles
+};
+
+struct WideBvhStatistics {
+    double sah_cost = 0;  // expected cost of a ray that meets the root's box, in units of the options' costs
+    std::uint32_t depth = 0;
+    std::uint32_t node_count = 0;
+    std::uint32_t block_count = 0;
+    std::uint32_t triangle_count = 0;  // in blocks, those that stand in several of them counted as often
+};
+
+struct WideBvh {
+    HugeVector<WideUnit> units;  // the root first; empty without triangles
+    WideBvhStatistics statistics;
+};
+
+// `binary` is over the triangles; its order may name a triangle several times, in leaves that each bound a part of it.
+// The result depends on the arguments only. Units are addressed by 28 bits: about 10⁸ triangles.
+WideBvh collapse_bvh(const Bvh& binary, std::span<const kernels::Triangle> triangles,
+                     const WideBvhOptions& options = {});
+
+}  // namespace spinel

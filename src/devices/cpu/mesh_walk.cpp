@@ -1,0 +1,114 @@
+// The walk through wide hierarchies without instructions that a machine may lack, and the choice between it and AVX2.
+#include "devices/cpu/mesh_walk.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "devices/cpu/avx2.h"
+#include "kernels/triangle.h"
+
+namespace spinel {
+
+using kernels::NONE;
+using kernels::Ray;
+
+namespace {
+
+struct Entry {
+    std::uint32_t reference;
+    float enter;
+};
+
+std::uint32_t bits(float x) { return std::bit_cast<std::uint32_t>(x); }
+
+kernels::Triangle triangle_of(const float* block, int lane) {
+    const auto vertex = [&](int v) {
+        return glm::vec3(block[12 * v + lane], block[12 * v + 4 + lane], block[12 * v + 8 + lane]);
+    };
+    return {vertex(0), vertex(1), vertex(2)};
+}
+
+// Calls visit(triangle, its index, t up to which hits count) for the triangles of all leaves that the ray meets, nearer
+// ones sooner, while it is told to go on; `t_max` is read anew each time.
+template <class Visit>
+void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit& visit) {
+    const glm::vec3 inverse = wide_inverse(ray.direction);
+    const float padding = wide_padding(mesh, ray);
+    Entry stack[wide_stack_size];
+    int size = 0;
+    stack[size++] = {0, ray.t_min};
+    while (size > 0) {
+        const Entry entry = stack[--size];
+        if (!(entry.enter <= t_max)) continue;
+        const WideUnit* const unit = mesh.units + (entry.reference & 0xfffffffu);
+        if (const std::uint32_t blocks = entry.reference >> 28; blocks > 0) {
+            for (std::uint32_t b = 0; b < blocks; ++b) {
+                const float* const block = unit[b * wide_block_units].lanes;
+                for (int lane = 0; lane < 4; ++lane)
+                    if (!visit(triangle_of(block, lane), bits(block[36 + lane]))) return;
+            }
+            continue;
+        }
+        const int first = size;
+        for (int i = 0; i < 8; ++i) {
+            float enter = ray.t_min, leave = t_max;
+            for (int a = 0; a < 3; ++a) {
+                const float t0 = (unit[2 * a].lanes[i] - padding - ray.origin[a]) * inverse[a];
+                const float t1 = (unit[2 * a + 1].lanes[i] + padding - ray.origin[a]) * inverse[a];
+                enter = std::max(enter, std::min(t0, t1));
+                leave = std::min(leave, std::max(t0, t1));
+            }
+            if (!(enter <= leave) || !(unit[0].lanes[i] <= unit[1].lanes[i])) continue;
+            int at = size++;
+            for (; at > first && stack[at - 1].enter < enter; --at) stack[at] = stack[at - 1];
+            stack[at] = {bits(unit[6].lanes[i]), enter};
+        }
+    }
+}
+
+}  // namespace
+
+WideHit wide_closest_portable(const WideMesh& mesh, const Ray& ray) {
+    const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
+    kernels::TriangleHit best(ray.t_max, 0, 0);
+    std::uint32_t nearest = NONE;
+    walk(mesh, ray, best.t, [&](const kernels::Triangle& triangle, std::uint32_t index) {
+        const float limit = nearest != NONE && index < nearest ? kernels::next_above(best.t) : best.t;
+        if (kernels::triangle_watertight(sheared, triangle, ray.t_min, limit, best)) nearest = index;
+        return true;
+    });
+    return {best.t, best.u, best.v, nearest};
+}
+
+bool wide_any_portable(const WideMesh& mesh, const Ray& ray) {
+    const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
+    kernels::TriangleHit unread(0, 0, 0);
+    bool found = false;
+    walk(mesh, ray, ray.t_max, [&](const kernels::Triangle& triangle, std::uint32_t) {
+        found = kernels::triangle_watertight(sheared, triangle, ray.t_min, ray.t_max, unread);
+        return !found;
+    });
+    return found;
+}
+
+#ifdef SPINEL_AVX2
+
+WideHit wide_closest_avx2(const WideMesh& mesh, const Ray& ray);  // mesh_walk_avx2.cpp
+bool wide_any_avx2(const WideMesh& mesh, const Ray& ray);
+
+WideHit wide_closest(const WideMesh& mesh, const Ray& ray) {
+    return has_avx2() ? wide_closest_avx2(mesh, ray) : wide_closest_portable(mesh, ray);
+}
+bool wide_any(const WideMesh& mesh, const Ray& ray) {
+    return has_avx2() ? wide_any_avx2(mesh, ray) : wide_any_portable(mesh, ray);
+}
+
+#else
+
+WideHit wide_closest(const WideMesh& mesh, const Ray& ray) { return wide_closest_portable(mesh, ray); }
+bool wide_any(const WideMesh& mesh, const Ray& ray) { return wide_any_portable(mesh, ray); }
+
+#endif
+
+}  // namespace spinel

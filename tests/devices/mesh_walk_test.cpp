@@ -1,0 +1,280 @@
+// The wide hierarchy and its walks against every triangle asked one by one.
+
+#include "devices/cpu/mesh_walk.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/parallel.h"
+#include "devices/cpu/avx2.h"
+#include "geometry/mesh/wide_mesh.h"
+#include "geometry/test_scene.h"
+#include "kernels/triangle.h"
+
+namespace spinel {
+namespace {
+
+using namespace test;
+using kernels::NONE;
+using kernels::Ray;
+using kernels::Triangle;
+
+using Triangles = std::vector<Triangle>;
+
+struct Built {
+    Triangles triangles;
+    WideBvh tree;
+    WideMesh mesh;
+
+    explicit Built(Triangles list, const WidePreset& preset = default_wide_preset())
+        : triangles(std::move(list)),
+          tree(build_wide_mesh(triangles, preset)),
+          mesh{tree.units.data(), vec3(1e30f), vec3(-1e30f)} {
+        for (const Triangle& t : triangles)
+            for (const vec3& p : {t.a, t.b, t.c}) {
+                mesh.lower = glm::min(mesh.lower, p);
+                mesh.upper = glm::max(mesh.upper, p);
+            }
+    }
+};
+
+// The least t; of triangles met at the same t the first.
+WideHit brute_force(const Triangles& triangles, const Ray& ray) {
+    const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
+    kernels::TriangleHit best(ray.t_max, 0, 0);
+    std::uint32_t nearest = NONE;
+    for (std::uint32_t i = 0; i < triangles.size(); ++i)
+        if (kernels::triangle_watertight(sheared, triangles[i], ray.t_min, best.t, best)) nearest = i;
+    return {best.t, best.u, best.v, nearest};
+}
+
+// Where the compiler has no fused multiply-add, the kernel rounds products otherwise than AVX2 does.
+#ifdef __FP_FAST_FMAF
+constexpr bool same_rounding = true;
+#else
+constexpr bool same_rounding = false;
+#endif
+
+void expect_equal(const WideHit& a, const WideHit& b, const Ray& ray) {
+    ASSERT_EQ(a.triangle, b.triangle) << describe(ray);
+    ASSERT_EQ(a.t, b.t) << describe(ray);
+    ASSERT_EQ(a.u, b.u) << describe(ray);
+    ASSERT_EQ(a.v, b.v) << describe(ray);
+}
+
+// Returns how many rays hit.
+int check(const Built& built, const std::vector<Ray>& rays) {
+    int found = 0;
+    for (const Ray& ray : rays) {
+        const WideHit expected = brute_force(built.triangles, ray);
+        const bool hit = expected.triangle != NONE;
+        found += hit;
+        expect_equal(wide_closest_portable(built.mesh, ray), expected, ray);
+        EXPECT_EQ(wide_any_portable(built.mesh, ray), hit) << describe(ray);
+        if (same_rounding) expect_equal(wide_closest(built.mesh, ray), expected, ray);
+        const bool nearest = wide_closest(built.mesh, ray).triangle != NONE;
+        EXPECT_EQ(wide_any(built.mesh, ray), nearest) << describe(ray);
+        if (::testing::Test::HasFailure()) break;
+    }
+    return found;
+}
+
+Triangles soup(Random& random, int count, float size, vec3 offset = vec3(0)) {
+    Triangles list;
+    for (int i = 0; i < count; ++i) {
+        const vec3 center = offset + random.in_cube(10);
+        list.push_back({center + random.in_cube(size), center + random.in_cube(size), center + random.in_cube(size)});
+    }
+    return list;
+}
+
+std::vector<Ray> rays_towards(Random& random, const Triangles& triangles, int count, float reach) {
+    std::vector<Ray> rays;
+    for (int i = 0; i < count; ++i) {
+        const Triangle& t = triangles[std::size_t(random.uniform(0, 0.999f) * float(triangles.size()))];
+        // Points, edges and the inside of triangles, from near by, from far away, along the axes and askew.
+        const float u = i % 3 == 0 ? 0.0f : random.uniform(0, 1), v = i % 5 == 0 ? 0.0f : random.uniform(0, 1 - u);
+        const vec3 target = (1 - u - v) * t.a + u * t.b + v * t.c;
+        const vec3 direction = random.awkward_direction();
+        const float distance = reach * (i % 2 ? random.uniform(0.01f, 2) : 0.5f);
+        rays.push_back(
+            ray(target - distance * direction, direction, 0, i % 7 == 0 ? distance * 1.5f : kernels::INFINITE));
+    }
+    return rays;
+}
+
+// Squares of a floor at y = 0 in pairs of triangles, n × n, from −1 to 1.
+Triangles floor_of(int n) {
+    Triangles list;
+    const auto at = [n](int i, int j) { return vec3(2 * float(i) / float(n) - 1, 0, 2 * float(j) / float(n) - 1); };
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            list.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+            list.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+    return list;
+}
+
+// Long thin triangles through each other, aslant to all axes: what spatial splits are for.
+Triangles blades(Random& random, int count) {
+    Triangles list;
+    for (int i = 0; i < count; ++i) {
+        const vec3 a = random.in_cube(10), b = random.in_cube(10);
+        list.push_back({a, b, a + random.in_cube(0.3f)});
+    }
+    return list;
+}
+
+Triangles triangles_of(const MeshGeometry& mesh) {
+    Triangles list;
+    for (const uvec3& t : mesh.triangles)
+        list.push_back({mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]});
+    return list;
+}
+
+TEST(MeshWalk, the_hit_of_every_preset_is_that_of_brute_force_to_the_last_bit) {
+    for (const WidePreset& preset : wide_presets()) {
+        Random random(11);
+        for (const int count : {1, 2, 3, 4, 5, 9, 33, 700}) {
+            const Built built(soup(random, count, 1.5f), preset);
+            EXPECT_GT(check(built, rays_towards(random, built.triangles, 1500, 5)), 1000) << preset.name;
+        }
+        const Built thin(blades(random, 600), preset);
+        EXPECT_GT(check(thin, rays_towards(random, thin.triangles, 3000, 8)), 2000) << preset.name;
+    }
+}
+
+TEST(MeshWalk, triangles_met_at_the_same_t_are_told_by_the_lowest_index) {
+    Random random(12);
+    const Built plain(floor_of(16));
+    Triangles doubled = floor_of(16);
+    for (const Triangle& t : floor_of(8)) doubled.push_back(t);
+    for (const Triangle& t : floor_of(16)) doubled.push_back(t);
+    std::shuffle(doubled.begin(), doubled.end(), std::mt19937(1));
+    const Built layers(doubled);
+    std::vector<Ray> rays;
+    for (int j = -8; j <= 8; ++j)
+        for (int i = -8; i <= 8; ++i) {
+            const vec3 corner(float(i) / 8, 0, float(j) / 8);
+            rays.push_back(ray(corner + vec3(0, 2, 0), vec3(0, -1, 0)));
+            rays.push_back(ray(corner + vec3(0.05f, -3, 0), vec3(0, 1, 0)));
+            rays.push_back(ray(corner + vec3(1, 1, 0), vec3(-1, -1, 0)));
+            rays.push_back(ray(corner + vec3(-2, 2, 2), vec3(1, -1, -1)));
+        }
+    EXPECT_GT(check(plain, rays), 900);
+    EXPECT_GT(check(layers, rays), 900);
+}
+
+TEST(MeshWalk, adversarial_meshes_and_rays) {
+    Random random(13);
+    for (const vec3 offset : {vec3(0), vec3(1000, -2000, 500), vec3(1e6f, 0, -1e6f)})
+        for (const float size : {1e-6f, 1e-2f, 30.0f}) {
+            Triangles list = soup(random, 200, size, offset);
+            for (int i = 0; i < 20; ++i) {
+                const vec3 p = offset + random.in_cube(5), q = offset + random.in_cube(5);
+                list.push_back({p, p, p});  // a point, a line, a sliver
+                list.push_back({p, q, 0.5f * (p + q)});
+                list.push_back({p, q, q + vec3(0, 1e-6f, 0)});
+            }
+            const Built built(list);
+            check(built, rays_towards(random, built.triangles, 1500, std::max(size, 1.0f)));
+        }
+}
+
+// The edge of a long triangle is rounded by its far end, the box of its neighbour is not: a ray near to the origin of
+// such an edge is lost by walks that widen boxes by what t is only.
+TEST(MeshWalk, long_triangles_that_share_an_edge_let_no_ray_through) {
+    Random random(14);
+    int found = 0, count = 0;
+    for (int k = 0; k < 40; ++k) {
+        const float x = random.uniform(0.2f, 0.9f), far = 1000 * random.uniform(0.5f, 2);
+        const vec3 low(x, 0, -far), high(x, 0, far);
+        const Built built(
+            {{vec3(-far, 0, 0), low, high}, {vec3(far, 0, 0), high, low}, {low, low + vec3(0, 5, 0), vec3(9)}});
+        std::vector<Ray> rays;
+        for (int i = 0; i < 500; ++i) {
+            const float height = std::exp(random.uniform(-9, 3));
+            const vec3 direction(random.uniform(-0.3f, 0.3f), -random.uniform(0.001f, 0.2f), 1);
+            const float t = height / -direction.y;
+            rays.push_back(ray(vec3(x, height, 0) - vec3(direction.x, 0, direction.z) * t, direction));
+        }
+        found += check(built, rays);
+        count += int(rays.size());
+    }
+    EXPECT_GT(found, count * 9 / 10);  // some begin beyond the ends
+}
+
+TEST(MeshWalk, the_interval_is_open) {
+    const Built built(floor_of(4));
+    for (const auto& [t_min, t_max, expected] : {std::tuple(0.0f, 3.0f, true), std::tuple(2.0f, 3.0f, false),
+                                                 std::tuple(0.0f, 2.0f, false), std::tuple(-5.0f, 1.0f, false)}) {
+        const Ray r = ray(vec3(0.1f, 2, 0.3f), vec3(0, -1, 0), t_min, t_max);
+        for (const WideHit& hit : {wide_closest(built.mesh, r), wide_closest_portable(built.mesh, r)})
+            EXPECT_EQ(hit.triangle != NONE, expected);
+        EXPECT_EQ(wide_any(built.mesh, r), expected);
+        EXPECT_EQ(wide_any_portable(built.mesh, r), expected);
+    }
+}
+
+TEST(MeshWalk, rays_that_are_no_numbers_hit_nothing) {
+    Random random(15);
+    const Built built(soup(random, 100, 3));
+    const float nan = std::nanf("");
+    for (const Ray& r : {ray(vec3(nan, 0, 0), vec3(0, 0, 1)), ray(vec3(0), vec3(0, nan, 1)), ray(vec3(0), vec3(0))}) {
+        EXPECT_EQ(wide_closest(built.mesh, r).triangle, NONE);
+        EXPECT_FALSE(wide_any(built.mesh, r));
+    }
+}
+
+TEST(MeshWalk, spatial_splits_name_triangles_twice_and_lower_the_cost) {
+    Random random(16);
+    Triangles list = soup(random, 3000, 0.1f);
+    for (const Triangle& t : blades(random, 60)) list.push_back(t);
+    const WideBvh whole = build_wide_mesh(list, wide_presets()[1]), split = build_wide_mesh(list, wide_presets()[2]);
+    EXPECT_EQ(whole.statistics.triangle_count, list.size());
+    EXPECT_GT(split.statistics.triangle_count, list.size() * 21 / 20);
+    EXPECT_LE(split.statistics.triangle_count, list.size() * 13 / 10);
+    EXPECT_LT(split.statistics.sah_cost, 0.9 * whole.statistics.sah_cost);
+}
+
+TEST(MeshWalk, the_tree_does_not_depend_on_the_number_of_threads) {
+    Random random(17);
+    const Triangles list = blades(random, 20000);
+    for (const WidePreset& preset : wide_presets()) {
+        WideBvh first;
+        for (const int threads : {1, 2, 5}) {
+            const ThreadLimit limit(threads);
+            const WideBvh tree = build_wide_mesh(list, preset);
+            if (threads == 1) first = tree;
+            ASSERT_EQ(tree.units.size(), first.units.size());
+            EXPECT_EQ(std::memcmp(tree.units.data(), first.units.data(), tree.units.size() * sizeof(tree.units[0])), 0);
+        }
+    }
+}
+
+// Rays from inside of a closed mesh: how many get out.
+int leaks(const Built& built, vec3 inside, float radius, int count) {
+    Random random(18);
+    int escaped = 0;
+    for (int i = 0; i < count; ++i) {
+        const Ray r = ray(inside + random.in_cube(radius), random.awkward_direction());
+        escaped += wide_closest(built.mesh, r).triangle == NONE;
+        escaped += !wide_any(built.mesh, r);
+    }
+    return escaped;
+}
+
+TEST(MeshWalk, no_ray_leaves_a_closed_mesh) {
+    const Built built(triangles_of(icosphere(5)));
+    EXPECT_EQ(leaks(built, vec3(0), 0.5f, 200000), 0);
+    EXPECT_EQ(leaks(built, vec3(0), 0.0f, 200000), 0);  // straight at vertices and edges
+}
+
+TEST(MeshWalkSlow, ten_million_rays_stay_inside_of_a_closed_mesh) {
+    const Built built(triangles_of(icosphere(7)));
+    EXPECT_EQ(leaks(built, vec3(0), 0.6f, 5000000), 0);
+}
+
+}  // namespace
+}  // namespace spinel
