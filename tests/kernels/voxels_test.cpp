@@ -351,7 +351,7 @@ void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
         const kernels::SceneView& scene = parts.view();
         for (int i = 0; i < 100; ++i) {
             std::vector<kernels::Ray> batch(random.below(200));
-            std::vector<Hit> expected(batch.size()), limits(batch.size());
+            std::vector<Hit> expected(batch.size());
             for (std::size_t k = 0; k < batch.size(); ++k) {
                 kernels::Ray& r = batch[k] = awkward_ray(random, set.tree->size(), int(k));
                 if (i % 2 && k % 64 >= 8 && k % 8) {
@@ -361,12 +361,12 @@ void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
                 }
                 if (k % 4 == 0) r.t_max = random.uniform(0, 100) / glm::length(r.direction);
                 if (k % 17 == 0) r.origin *= std::exp(random.uniform(0, 8));
-                limits[k] = expected[k] = kernels::no_hit(r.t_max);
+                expected[k] = kernels::no_hit(r.t_max);
                 kernels::voxels_closest(scene, 0, 0, r, expected[k]);
                 if (expected[k].t < r.t_max) expected[k].instance = 7;
             }
             for (const auto walk : {cpu_voxels_closest_stream, cpu_voxels_closest_batch}) {
-                std::vector<Hit> found = limits;
+                std::vector<Hit> found(batch.size());
                 walk(scene, 0, 0, 7, batch, found.data());
                 for (std::size_t k = 0; k < batch.size(); ++k) {
                     ASSERT_EQ(found[k].instance, expected[k].instance) << describe(batch[k]);
