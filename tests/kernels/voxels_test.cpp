@@ -611,5 +611,18 @@ TEST(VoxelWalk, a_million_empty_cells_are_crossed_at_once) {
     EXPECT_FALSE(kernels::is_hit(closest(scene, ray({1.5f, 8.5f, 9.5f}, {1, 0, 0}))));
 }
 
+#ifdef __SSE4_1__
+// By hand: cubes of 32, 16, 8, 4, 2 and 1 empty cells, then the voxel; a node of each level.
+TEST(VoxelWalk, what_a_ray_costs_is_counted) {
+    const auto tree = build_voxel_tree({64, 64, 64}, {{{63, 1, 1}, 1}});
+    TestScene parts;
+    parts.add(VoxelGeometry{*tree});
+    parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), {OPAQUE_SLOT});
+    const VoxelWalkCount count = cpu_voxels_count(parts.view(), 0, 0, ray({-1, 1.5f, 1.5f}, {1, 0, 0}));
+    EXPECT_EQ(count.nodes, 3u);
+    EXPECT_EQ(count.cubes, 7u);
+}
+#endif
+
 }  // namespace
 }  // namespace spinel

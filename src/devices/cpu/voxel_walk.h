@@ -13,6 +13,15 @@ namespace spinel {
 void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
                         const kernels::Ray& ray, kernels::Hit& hit);
 
+// What that costs a ray: nodes that it looks into, the root among them, and cubes of one palette index that it meets.
+// Nothing is counted where the ray starts in something, or where this walk is the kernel's.
+struct VoxelWalkCount {
+    kernels::uint nodes = 0;
+    kernels::uint cubes = 0;
+};
+VoxelWalkCount cpu_voxels_count(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                                const kernels::Ray& ray);
+
 // Those that follow write `instance` to what they find.
 
 // As many rays as go together.
