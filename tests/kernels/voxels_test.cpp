@@ -351,7 +351,7 @@ void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
         const kernels::SceneView& scene = parts.view();
         for (int i = 0; i < 100; ++i) {
             std::vector<kernels::Ray> batch(random.below(200));
-            std::vector<Hit> expected(batch.size()), limits(batch.size());
+            std::vector<Hit> expected(batch.size());
             for (std::size_t k = 0; k < batch.size(); ++k) {
                 kernels::Ray& r = batch[k] = awkward_ray(random, set.tree->size(), int(k));
                 if (i % 2 && k % 64 >= 8 && k % 8) {
@@ -361,12 +361,12 @@ void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
                 }
                 if (k % 4 == 0) r.t_max = random.uniform(0, 100) / glm::length(r.direction);
                 if (k % 17 == 0) r.origin *= std::exp(random.uniform(0, 8));
-                limits[k] = expected[k] = kernels::no_hit(r.t_max);
+                expected[k] = kernels::no_hit(r.t_max);
                 kernels::voxels_closest(scene, 0, 0, r, expected[k]);
                 if (expected[k].t < r.t_max) expected[k].instance = 7;
             }
             for (const auto walk : {cpu_voxels_closest_stream, cpu_voxels_closest_batch}) {
-                std::vector<Hit> found = limits;
+                std::vector<Hit> found(batch.size());
                 walk(scene, 0, 0, 7, batch, found.data());
                 for (std::size_t k = 0; k < batch.size(); ++k) {
                     ASSERT_EQ(found[k].instance, expected[k].instance) << describe(batch[k]);
@@ -610,6 +610,19 @@ TEST(VoxelWalk, a_million_empty_cells_are_crossed_at_once) {
     EXPECT_EQ(closest(scene, ray({1.5f, 7.5f, 9.5f}, {-1, 0, 0})).cell, ivec3(0, 7, 9));
     EXPECT_FALSE(kernels::is_hit(closest(scene, ray({1.5f, 8.5f, 9.5f}, {1, 0, 0}))));
 }
+
+#ifdef __SSE4_1__
+// By hand: cubes of 32, 16, 8, 4, 2 and 1 empty cells, then the voxel; a node of each level.
+TEST(VoxelWalk, what_a_ray_costs_is_counted) {
+    const auto tree = build_voxel_tree({64, 64, 64}, {{{63, 1, 1}, 1}});
+    TestScene parts;
+    parts.add(VoxelGeometry{*tree});
+    parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), {OPAQUE_SLOT});
+    const VoxelWalkCount count = cpu_voxels_count(parts.view(), 0, 0, ray({-1, 1.5f, 1.5f}, {1, 0, 0}));
+    EXPECT_EQ(count.nodes, 3u);
+    EXPECT_EQ(count.cubes, 7u);
+}
+#endif
 
 }  // namespace
 }  // namespace spinel

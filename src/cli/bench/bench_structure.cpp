@@ -1,6 +1,5 @@
 #include "cli/bench/bench_structure.h"
 
-#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -86,26 +85,18 @@ std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, uint in
     const VoxelTreeMemory memory = tree.memory();
     const double bytes = double(memory.node_bytes + memory.reference_bytes);
     std::vector<BenchStructure> list;
-    const auto batch_by_batch = [](auto walk) {
-        return [walk](std::span<const Ray> rays, Hit* hits) {
-            constexpr std::size_t batch = 256;  // whose hits stay in the first cache
-            for (std::size_t i = 0; i < rays.size(); i += batch) {
-                const std::span<const Ray> some = rays.subspan(i, std::min(batch, rays.size() - i));
-                for (std::size_t k = 0; k < some.size(); ++k) hits[i + k] = kernels::no_hit(some[k].t_max);
-                walk(some, hits + i);
-            }
-        };
-    };
-    list.push_back({"64-tree", 0, bytes, batch_by_batch([=](std::span<const Ray> some, Hit* hits) {
-                        cpu_voxels_closest_batch(view, grid, slots, 0, some, hits);
-                    })});
-    list.push_back({"64-tree, packets", 0, bytes, batch_by_batch([=](std::span<const Ray> some, Hit* hits) {
-                        for (std::size_t i = 0; i < some.size(); i += packet_size)
-                            cpu_voxels_closest8(view, grid, slots, 0, &some[i], 0xff, hits + i);
-                    })});
-    list.push_back({"64-tree, stream", 0, bytes, batch_by_batch([=](std::span<const Ray> some, Hit* hits) {
-                        cpu_voxels_closest_stream(view, grid, slots, 0, some, hits);
-                    })});
+    list.push_back({"64-tree", 0, bytes, [=](std::span<const Ray> rays, Hit* hits) {
+                        cpu_voxels_closest_batch(view, grid, slots, 0, rays, hits);
+                    }});
+    list.push_back({"64-tree, packets", 0, bytes, [=](std::span<const Ray> rays, Hit* hits) {
+                        for (std::size_t i = 0; i < rays.size(); i += packet_size) {
+                            for (std::size_t k = i; k < i + packet_size; ++k) hits[k] = kernels::no_hit(rays[k].t_max);
+                            cpu_voxels_closest8(view, grid, slots, 0, &rays[i], 0xff, hits + i);
+                        }
+                    }});
+    list.push_back({"64-tree, stream", 0, bytes, [=](std::span<const Ray> rays, Hit* hits) {
+                        cpu_voxels_closest_stream(view, grid, slots, 0, rays, hits);
+                    }});
     list.push_back({"64-tree, one ray", 0, bytes,
                     ray_by_ray([=](const Ray& ray, Hit& hit) { cpu_voxels_closest(view, grid, slots, ray, hit); })});
     list.push_back({"64-tree, kernel", 0, bytes, ray_by_ray([=](const Ray& ray, Hit& hit) {

@@ -37,15 +37,16 @@ unsigned cpu_voxels_closest8(const SceneView& scene, uint grid, uint slot_first,
     Hit theirs[packet_size];
     std::size_t count = 0;
     for (unsigned rest = lanes; rest; rest &= rest - 1, ++count) {
-        some[count] = rays[std::countr_zero(rest)];
-        theirs[count] = hits[std::countr_zero(rest)];
+        const int i = std::countr_zero(rest);
+        some[count] = rays[i];
+        some[count].t_max = hits[i].t;
     }
     cpu_voxels_closest_stream(scene, grid, slot_first, instance, {some, count}, theirs);
     unsigned found = 0;
     count = 0;
     for (unsigned rest = lanes; rest; rest &= rest - 1, ++count) {
         const int i = std::countr_zero(rest);
-        if (!(theirs[count].t < hits[i].t)) continue;
+        if (!kernels::is_hit(theirs[count])) continue;
         hits[i] = theirs[count];
         found |= 1u << i;
     }
@@ -63,6 +64,7 @@ void cpu_voxels_closest_batch(const SceneView& scene, uint grid, uint slot_first
         const RayColumns columns = ray_columns(&rays[i]);
         if (!are_neighbours(columns, all)) continue;
         if (first < i) stream_up_to(i);
+        for (std::size_t k = i; k < i + packet_size; ++k) hits[k] = kernels::no_hit(rays[k].t_max);
         packet_closest(scene, grid, slot_first, instance, columns, &rays[i], all, hits + i);
         first = i + packet_size;
     }

@@ -139,26 +139,24 @@ class Stream {
     // Eight rays more wait for a lane, or those of them that meet the box.
     void prepare() {
         Ray some[lanes];
-        alignas(32) float limits[lanes];
         const std::size_t count = std::min<std::size_t>(lanes, rays_.size() - next_ray_);
         const Ray* first = &rays_[next_ray_];
         if (count < lanes) {
             for (std::size_t i = 0; i < lanes; ++i) some[i] = first[std::min(i, count - 1)];
             first = some;
         }
-        for (std::size_t i = 0; i < lanes; ++i) limits[i] = i < count ? hits_[next_ray_ + i].t : -INFINITE;
+        for (std::size_t i = 0; i < count; ++i) hits_[next_ray_ + i] = no_hit(first[i].t_max);
         const RayColumns ray = ray_columns(first);
-        const __m256 limit = _mm256_load_ps(limits);
-        const BoxPass box = pass_box(grid_.size, ray, limit);
+        const BoxPass box = pass_box(grid_.size, ray, ray.t_max);
         const unsigned asked = (1u << count) - 1;
         const unsigned enters = lanes_of(_mm256_cmp_ps(box.start, box.leave, _CMP_LT_OQ)) & box.exact & asked;
-        if (enters) append(begin(ray, box, limit, first, enters), enters);
+        if (enters) append(begin(ray, box, first, enters), enters);
         for (unsigned rest = asked & ~box.exact; rest; rest &= rest - 1)
             one_by_one(next_ray_ + unsigned(std::countr_zero(rest)));
         next_ray_ += count;
     }
 
-    Course begin(const RayColumns& ray, const BoxPass& box, __m256 limit, const Ray* rays, unsigned enters) const {
+    Course begin(const RayColumns& ray, const BoxPass& box, const Ray* rays, unsigned enters) const {
         Course c;
         const __m256 doubt = _mm256_mul_ps(box.reach, floats(1e-6f));
         // At t = 0 the position is exact, and only what lies on a plane is in doubt.
@@ -199,7 +197,7 @@ class Stream {
             c.positive[a] = int_columns(box.positive[a]);
         }
         c.sure = _mm256_sub_ps(floats(0.5f), doubt);
-        c.limit = limit;
+        c.limit = ray.t_max;
         c.ray = _mm256_add_epi32(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), ints(int(next_ray_)));
         c.t = box.start;
         return c;
@@ -486,9 +484,9 @@ namespace spinel {
 void cpu_voxels_closest_stream(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
                                kernels::uint instance, std::span<const kernels::Ray> rays, kernels::Hit* hits) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const float before = hits[i].t;
+        hits[i] = kernels::no_hit(rays[i].t_max);
         cpu_voxels_closest(scene, grid, slot_first, rays[i], hits[i]);
-        if (hits[i].t < before) hits[i].instance = instance;
+        if (hits[i].t < rays[i].t_max) hits[i].instance = instance;
     }
 }
 

@@ -14,10 +14,24 @@
 
 namespace spinel {
 
+namespace {
+
+struct NotCounted {
+    void node() {}
+    void cube() {}
+};
+
+struct Counted {
+    VoxelWalkCount count;
+    void node() { ++count.nodes; }
+    void cube() { ++count.cubes; }
+};
+
 #ifdef __SSE4_1__
 
-void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid_index, kernels::uint slot_first,
-                        const kernels::Ray& ray, kernels::Hit& hit) {
+template <class Counter>
+void walk(const kernels::SceneView& scene, kernels::uint grid_index, kernels::uint slot_first, const kernels::Ray& ray,
+          kernels::Hit& hit, Counter& counter) {
     using namespace kernels;
     const VoxelGrid& grid = scene.voxel_grids.at[grid_index];
     const VoxelRay r = voxel_ray(grid.size, ray);
@@ -36,6 +50,7 @@ void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid_inde
     Node stack[VOXEL_MAX_LEVELS];
     uint level = grid.level_count - 1;
     stack[level] = loaded(grid.root);
+    counter.node();
     const VoxelNode* const nodes = scene.voxel_nodes.at + grid.node_first;
     const uint* const references = grid.reference_first == NONE ? nullptr : scene.words.at + grid.reference_first;
 
@@ -60,6 +75,7 @@ void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid_inde
     bool started = false;
     for (;;) {
         uint log2_edge;
+        counter.cube();
         for (;;) {
             const Node node = stack[level];
             const uint shift = 2 * level;
@@ -72,6 +88,7 @@ void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid_inde
             if ((node.link & VOXEL_LINK_KIND) == VOXEL_LINK_CHILDREN) {
                 const uint at = node.link + rank;
                 stack[--level] = loaded(nodes[references ? references[at] : at]);
+                counter.node();
                 continue;
             }
             const VoxelNode plain(uint(node.mask), uint(node.mask >> 32), node.link);
@@ -132,12 +149,29 @@ void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid_inde
 
 #else
 
-void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
-                        const kernels::Ray& ray, kernels::Hit& hit) {
+template <class Counter>
+void walk(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first, const kernels::Ray& ray,
+          kernels::Hit& hit, Counter&) {
     kernels::voxels_closest(scene, grid, slot_first, ray, hit);
 }
 
 #endif
+
+}  // namespace
+
+void cpu_voxels_closest(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                        const kernels::Ray& ray, kernels::Hit& hit) {
+    NotCounted nothing;
+    walk(scene, grid, slot_first, ray, hit, nothing);
+}
+
+VoxelWalkCount cpu_voxels_count(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                                const kernels::Ray& ray) {
+    Counted counted;
+    kernels::Hit hit = kernels::no_hit(ray.t_max);
+    walk(scene, grid, slot_first, ray, hit, counted);
+    return counted.count;
+}
 
 }  // namespace spinel
 
