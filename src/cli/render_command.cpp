@@ -318,6 +318,7 @@ struct Run {
                 {"spp", spp},
                 {"seconds", result->seconds},
                 {"cpu_seconds", cpu},
+                {"render_cpu_seconds", result->cpu_seconds},
                 {"paths_per_second", double(film.sample_count()) / std::max(result->seconds, 1e-9)},
                 {"mean", {mean.x, mean.y, mean.z}},
                 {"relative_error", film.relative_error()},

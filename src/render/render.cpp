@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "kernels/integrator_table.h"
 
@@ -58,23 +59,6 @@ kernels::PreviewSettings preview_settings(const CompiledScene& scene) {
     return {ao_radius, i.ao_strength, scene.mip_first == kernels::NONE ? 0.0f : i.glow, i.glow_radius};
 }
 
-kernels::MarchSettings march_settings(const CompiledScene& scene) {
-    const MarchOptions& o = scene.integrator.march;
-    const float diagonal = glm::length(scene.upper - scene.lower);
-    const auto or_else = [](float given, float otherwise) { return given > 0 ? given : otherwise; };
-    kernels::MarchSettings m = {};
-    m.step = or_else(o.step, diagonal > 0 ? diagonal / 256 : 1.0f);
-    m.shadow_step = or_else(o.shadow_step, 4 * m.step);
-    m.shadow_reach = or_else(o.shadow_reach, kernels::INFINITE);
-    m.surface_shadow_step = or_else(o.surface_shadow_step, m.shadow_step);
-    m.surface_shadow_reach = or_else(o.surface_shadow_reach, kernels::INFINITE);
-    m.light_reach = o.light_reach;
-    m.naive = o.integration == MarchOptions::Integration::naive;
-    m.jitter = o.jitter;
-    m.shortcuts = o.shortcuts;
-    return m;
-}
-
 // Standard error of a tile over its brightness; dark tiles are judged against a fraction of the picture's brightness,
 // since nobody sees noise in black.
 double tile_error(const FilmBuffer& film, int tile, double picture_mean) {
@@ -91,6 +75,23 @@ double tile_error(const FilmBuffer& film, int tile, double picture_mean) {
 }
 
 }  // namespace
+
+kernels::MarchSettings march_settings(const CompiledScene& scene) {
+    const MarchOptions& o = scene.integrator.march;
+    const float diagonal = glm::length(scene.upper - scene.lower);
+    const auto or_else = [](float given, float otherwise) { return given > 0 ? given : otherwise; };
+    kernels::MarchSettings m = {};
+    m.step = or_else(o.step, diagonal > 0 ? diagonal / 256 : 1.0f);
+    m.shadow_step = or_else(o.shadow_step, 4 * m.step);
+    m.shadow_reach = or_else(o.shadow_reach, kernels::INFINITE);
+    m.surface_shadow_step = or_else(o.surface_shadow_step, m.shadow_step);
+    m.surface_shadow_reach = or_else(o.surface_shadow_reach, kernels::INFINITE);
+    m.light_reach = o.light_reach;
+    m.naive = o.integration == MarchOptions::Integration::naive;
+    m.jitter = o.jitter;
+    m.shortcuts = o.shortcuts;
+    return m;
+}
 
 Result<RenderResult> render(Device& device, const CompiledScene& scene, const RenderOptions& options,
                             const std::atomic<bool>& stop, const std::function<void(const RenderProgress&)>& report) {
@@ -123,6 +124,7 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 
+    const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const auto elapsed = [&] {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -170,6 +172,7 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
         }
     }
     result.seconds = elapsed();
+    result.cpu_seconds = double(std::clock() - cpu_start) / CLOCKS_PER_SEC;
     return result;
 }
 

@@ -13,7 +13,8 @@ namespace spinel {
 
 struct RenderResult {
     FilmBuffer film;
-    double seconds = 0;
+    double seconds = 0;      // without loading the scene into the device
+    double cpu_seconds = 0;  // of the whole process meanwhile
     StopReason reason = StopReason::samples;
 };
 
@@ -22,6 +23,9 @@ struct RenderResult {
 Result<RenderResult> render(Device& device, const CompiledScene& scene, const RenderOptions& options,
                             const std::atomic<bool>& stop,
                             const std::function<void(const RenderProgress&)>& report = {});
+
+// What the scene asks of `single-scatter`, its defaults worked out.
+kernels::MarchSettings march_settings(const CompiledScene& scene);
 
 struct IntegratorInfo {
     const char* name;

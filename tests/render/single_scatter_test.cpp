@@ -4,9 +4,12 @@
 
 #include <fmt/format.h>
 #include <cmath>
+#include <ctime>
 
 #include "image/metrics.h"
+#include "kernels/path.h"
 #include "render/pictures.h"
+#include "render/reference_march.h"
 
 namespace spinel {
 namespace {
@@ -102,6 +105,46 @@ TEST(SingleScatter, shortcuts_lead_to_the_same_picture) {
         ASSERT_TRUE(difference);
         EXPECT_LT(*difference, 0.005) << erosion;
     }
+}
+
+// The whole example against the naive twin; what both take is printed.
+TEST(SlowSingleScatter, the_bunny_is_ten_times_as_fast_as_the_naive_march) {
+    const ivec2 size = fewer_samples > 1 ? ivec2(64, 36) : ivec2(1280, 720);
+    LoadOptions options;
+    options.frame = 20;
+    const Result<Scene> scene = load_scene(SPINEL_SOURCE_DIR "/examples/bunny.json", size, options);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const Result<CompiledScene> compiled = compile(*scene);
+    ASSERT_TRUE(compiled);
+    const Result<std::unique_ptr<Device>> device = make_device("cpu");
+    ASSERT_TRUE(device);
+    const std::atomic<bool> stop{false};
+    RenderOptions asked;
+    asked.spp = 1;
+    asked.seed = 5;
+    const Result<RenderResult> fast = render(**device, *compiled, asked, stop);
+    ASSERT_TRUE(fast);
+    const kernels::SceneView view = compiled->view();
+    kernels::PathSettings settings = {};
+    settings.seed = 5;
+    settings.march = march_settings(*compiled);
+    Image images[2] = {{size.x, size.y, 3, {}}, {size.x, size.y, 3, {}}};
+    const std::clock_t start = std::clock();
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x) {
+            const kernels::PathState s = kernels::path_generate(view, settings, {x, y}, 0);
+            const vec3 c = reference_single_scatter(view, settings.march, s.ray, s.inside, s.numbers).radiance;
+            for (int k = 0; k < 3; ++k) images[1].values.push_back(c[k]);
+            const FilmPixel& p = fast->film.at(x, y);
+            for (int k = 0; k < 3; ++k) images[0].values.push_back(float(p.sum[k] / double(p.count)));
+        }
+    const double naive = double(std::clock() - start) / CLOCKS_PER_SEC;
+    const Result<double> difference = rmse(images[0], images[1]);
+    ASSERT_TRUE(difference);
+    EXPECT_LT(*difference, 0.005);
+    fmt::print("naive {:.3f} s, shortcuts {:.3f} s of processor time: {:.1f} times; RMSE {:.5f}\n", naive,
+               fast->cpu_seconds, naive / fast->cpu_seconds, *difference);
+    if (fewer_samples == 1) { EXPECT_GT(naive / fast->cpu_seconds, 10); }
 }
 
 }  // namespace

@@ -132,7 +132,7 @@ TEST(JsonReader, errors_say_where_what_and_what_is_allowed) {
     EXPECT_EQ(message("{\"version\": 1,\n  \"colour\": 3}"),
               "a.json:2:3: unknown key \"colour\" in the scene; allowed: version, camera, cameras, film, "
               "integrator, accelerator, "
-              "environment, textures, materials, media, geometries, objects, lights, expected");
+              "environment, textures, materials, media, geometries, objects, lights, animation, expected");
     EXPECT_EQ(message("{\"version\": 1,\n \"film\": {\"exposure\": \"x\"}}"),
               "a.json:2:23: \"exposure\" of film must be a number, not the text \"x\"");
     EXPECT_EQ(message("{\"version\": 1, \"film\": {\"size\": [0, 2]}}"),

@@ -19,8 +19,8 @@ using kernels::NONE;
 using kernels::ScatterState;
 using kernels::uint;
 
-constexpr int lattice_edge = 72;      // cells along the longest axis of the grid
-constexpr float opaque = 1.0f / 256;  // what is left of the light behind which nothing is asked
+constexpr int lattice_edge = 112;      // cells along the longest axis of the grid
+constexpr float opaque = 1.0f / 512;  // what is left of the light behind which nothing is asked
 
 // Optical depth towards one light for density 1, at the corners of a lattice over the grid's box.
 struct DepthLattice {
