@@ -281,6 +281,12 @@ struct IntegratorSettings {
     float glow_radius = 0;  // world units; 0: four voxels of the set
 };
 
+// What meshes are built into and how rays are tested against their triangles; pictures are the same but for rounding.
+struct AcceleratorSettings {
+    std::string structure = "bvh2";            // `spinel list accelerators`
+    std::string triangle_test = "watertight";  // `spinel list triangle-tests`
+};
+
 // A scene file that is a test carries what it must give: the mean over the picture.
 struct Expected {
     vec3 mean = {0, 0, 0};
@@ -309,6 +315,7 @@ struct Scene {
     std::vector<Camera> cameras;  // the first is the default
     Film film;
     IntegratorSettings integrator;
+    AcceleratorSettings accelerator;
     std::optional<Expected> expected;
     Surroundings surroundings;
     std::vector<std::string> notes;  // what a reader guessed or left out, a sentence each; nothing depends on it

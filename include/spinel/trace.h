@@ -33,22 +33,27 @@ struct TraceHit {
 };
 static_assert(sizeof(TraceHit) == 12 * 4);
 
-// A way to answer rays: a row of accelerators(). A mask of TRACE_… (kernels/device.h) selects instances.
-struct Accelerator {
-    const char* name;
-    const char* description;
-    kernels::Hit (*closest)(const kernels::SceneView& scene, const kernels::Ray& ray, kernels::uint mask);
-    bool (*any)(const kernels::SceneView& scene, const kernels::Ray& ray, kernels::uint mask);
+enum class TraceMethod {
+    walk,         // as pictures are made: each ray through the structures that the scene was compiled into
+    brute_force,  // the naive twin: every primitive in double precision, to test the others against
 };
 
-// One row for each accelerator; the first is the default.
-std::span<const Accelerator> accelerators();
+// A way to answer rays, by name: what meshes have to be built into (CompileOptions::accelerator), and how rays go.
+struct Accelerator {
+    std::string name;
+    std::string description;
+    std::string structure;  // of meshes
+    TraceMethod method = TraceMethod::walk;
+};
+
+// All structures of meshes, the default first, and what answers rays in another way.
+const std::vector<Accelerator>& accelerators();
 
 // By name, or an error that lists what there is.
 Result<const Accelerator*> find_accelerator(const std::string& name);
 
 struct TraceOptions {
-    std::string accelerator = "bvh2";
+    TraceMethod method = TraceMethod::walk;
     bool any = false;  // ask only whether something is hit: t = 0 if so, and all else as in a miss
     int threads = 0;   // 0: as many as the machine has
 };

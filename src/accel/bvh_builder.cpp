@@ -2,59 +2,27 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "accel/bvh_bounds.h"
 #include "core/parallel.h"
 
 namespace spinel {
 namespace {
 
+using bvh::Bounds;
+using bvh::Primitive;
+
 constexpr int bin_count = 16;
 constexpr std::size_t parallel_threshold = 4096;  // primitives below which a subtree is not worth a task
-
-// Four lanes, the last one idle, so that the compiler keeps a box in two vector registers.
-struct alignas(16) Bounds {
-    std::array<float, 4> lower;
-    std::array<float, 4> upper;
-
-    static Bounds empty() {
-        constexpr float inf = std::numeric_limits<float>::infinity();
-        return {{inf, inf, inf, inf}, {-inf, -inf, -inf, -inf}};
-    }
-    void extend(const Bounds& other) {
-        for (std::size_t i = 0; i < 4; ++i) lower[i] = std::min(lower[i], other.lower[i]);
-        for (std::size_t i = 0; i < 4; ++i) upper[i] = std::max(upper[i], other.upper[i]);
-    }
-    void extend_center(const Bounds& other) {
-        for (std::size_t i = 0; i < 4; ++i) {
-            const float center = other.center(i);
-            lower[i] = std::min(lower[i], center);
-            upper[i] = std::max(upper[i], center);
-        }
-    }
-    // Half the sum before adding would lose nothing but the denormals; it cannot overflow.
-    float center(std::size_t axis) const { return 0.5f * lower[axis] + 0.5f * upper[axis]; }
-    float half_area() const {
-        const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
-        return x * y + y * z + z * x;
-    }
-};
-
-struct Primitive {
-    Bounds bounds;
-    std::uint32_t index;
-};
 
 struct Split {
     int axis = -1;  // −1: none found
     int bin = 0;    // bins below go left
     float cost = std::numeric_limits<float>::infinity();
 };
-
-int ceil_log2(std::size_t n) { return n <= 1 ? 0 : std::bit_width(n - 1); }
 
 class Builder {
   public:
@@ -105,7 +73,9 @@ class Builder {
         const std::size_t count = end - begin;
         if (count <= 1) return begin;
         // As many levels as halving needs are kept in reserve, which bounds the depth whatever the input.
-        const bool balance = depth + ceil_log2(count) >= static_cast<int>(kernels::BVH_MAX_DEPTH);
+        const bool balance = depth + bvh::ceil_log2(count) >= static_cast<int>(kernels::BVH_MAX_DEPTH);
+        if (options_.method == BvhMethod::median)
+            return count <= options_.max_leaf ? begin : median(centers, begin, end);
         const Split split = balance ? Split{} : best_split(bounds, centers, begin, end);
         const float leaf_cost = static_cast<float>(count);
         if (count <= options_.max_leaf && !(split.cost < leaf_cost)) return begin;
@@ -194,64 +164,18 @@ class Builder {
     std::vector<kernels::BvhNode>& nodes_;
 };
 
-// Copies the tree without the gaps, in depth-first order, and measures it.
-void compact(const std::vector<kernels::BvhNode>& sparse, const BvhOptions& options, Bvh& bvh) {
-    const auto half_area = [](const kernels::BvhNode& n) {
-        const glm::dvec3 e = glm::dvec3(n.upper) - glm::dvec3(n.lower);
-        return e.x * e.y + e.y * e.z + e.z * e.x;
-    };
-    struct Pending {
-        std::uint32_t node;  // in bvh.nodes
-        std::uint32_t depth;
-    };
-    std::vector<Pending> stack;
-    bvh.nodes.push_back(sparse[0]);
-    stack.push_back({0, 0});
-    double cost = 0;
-    while (!stack.empty()) {
-        const Pending pending = stack.back();
-        stack.pop_back();
-        const kernels::BvhNode node = bvh.nodes[pending.node];
-        bvh.statistics.depth = std::max(bvh.statistics.depth, pending.depth);
-        if (node.count > 0) {
-            ++bvh.statistics.leaf_count;
-            cost += half_area(node) * node.count;
-            continue;
-        }
-        cost += half_area(node) * double(options.traversal_cost);
-        const auto first = static_cast<std::uint32_t>(bvh.nodes.size());
-        bvh.nodes[pending.node].first = first;
-        bvh.nodes.push_back(sparse[node.first]);
-        bvh.nodes.push_back(sparse[node.first + 1]);
-        stack.push_back({first + 1, pending.depth + 1});
-        stack.push_back({first, pending.depth + 1});
-    }
-    const double root_area = half_area(bvh.nodes[0]);
-    bvh.statistics.sah_cost = root_area > 0 ? cost / root_area : 0;
-}
-
 }  // namespace
 
 Bvh build_bvh(std::span<const Box> boxes, const BvhOptions& options) {
     assert(boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
     assert(options.max_leaf >= 1 && options.max_leaf <= kernels::BVH_MAX_LEAF);
-    std::vector<Primitive> primitives;
-    primitives.reserve(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        const glm::vec3 lower = boxes[i].lower, upper = boxes[i].upper;
-        bool usable = true;
-        for (int axis = 0; axis < 3; ++axis) {
-            usable = usable && std::isfinite(lower[axis]) && std::isfinite(upper[axis]) && lower[axis] <= upper[axis];
-        }
-        if (!usable) continue;
-        primitives.push_back(
-            {{{lower.x, lower.y, lower.z, 0}, {upper.x, upper.y, upper.z, 0}}, static_cast<std::uint32_t>(i)});
-    }
+    std::vector<Primitive> primitives = bvh::usable_primitives(boxes);
     Bvh bvh;
     if (primitives.empty()) return bvh;
+    if (options.method == BvhMethod::sweep) return bvh::build_by_sweep(std::move(primitives), options);
     std::vector<kernels::BvhNode> sparse(2 * primitives.size() - 1);
     Builder(primitives, options, sparse).build(0, 1, 0, primitives.size(), 0);
-    compact(sparse, options, bvh);
+    bvh::compact(sparse, options.traversal_cost, bvh);
     bvh.order.reserve(primitives.size());
     for (const Primitive& primitive : primitives) bvh.order.push_back(primitive.index);
     return bvh;

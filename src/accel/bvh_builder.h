@@ -16,9 +16,16 @@ struct Box {
     glm::vec3 upper;
 };
 
+enum class BvhMethod {
+    binned,  // surface area heuristic at sixteen planes an axis
+    sweep,   // at every plane between two primitives: slower to build, a little better
+    median,  // halves by number, along the widest axis: no heuristic at all
+};
+
 struct BvhOptions {
     std::uint32_t max_leaf = 4;   // primitives, at most kernels::BVH_MAX_LEAF
     float traversal_cost = 2.0f;  // of one interior node (two boxes and a turn), in triangle tests; measured
+    BvhMethod method = BvhMethod::binned;
 };
 
 struct BvhStatistics {
@@ -39,5 +46,16 @@ struct Bvh {
 // The result depends on the boxes and options only, not on the number of threads. At most BVH_MAX_PRIMITIVES
 // boxes.
 Bvh build_bvh(std::span<const Box> boxes, const BvhOptions& options = {});
+
+// Of any tree of this form.
+BvhStatistics bvh_statistics(std::span<const kernels::BvhNode> nodes, float traversal_cost);
+
+// Bounds of nodes anew, after the boxes (in the order of Bvh::order) have moved: the tree stays as it is, which is
+// right whatever moved, and good as long as neighbours stay neighbours. Children stand behind their parents.
+void refit_bvh(std::span<kernels::BvhNode> nodes, std::span<const Box> boxes_in_order);
+
+// The same tree for walks without a stack: nodes in depth-first order, and links in place of children
+// (kernels/mesh_bvh2.h).
+std::vector<kernels::BvhNode> with_skip_links(std::span<const kernels::BvhNode> nodes);
 
 }  // namespace spinel

@@ -4,6 +4,7 @@
 
 #include "cli/commands.h"
 #include "devices/devices.h"
+#include "geometry/mesh/mesh_structures.h"
 #include "geometry/sdf/sdf_ops.h"
 #include "render/render.h"
 #include "scene/material_registry.h"
@@ -54,6 +55,12 @@ const Kind kinds[] = {
     {"integrators", [] { return entries(integrator_infos()); }},
     {"materials", [] { return entries(material_infos()); }},
     {"sdf", [] { return entries(sdf_operations()); }},
+    {"triangle-tests",
+     [] {
+         std::vector<Entry> list;
+         for (const TriangleTest& test : triangle_tests()) list.push_back({test.name, test.doc});
+         return list;
+     }},
     {"worlds", [] { return entries(worlds()); }},
 };
 

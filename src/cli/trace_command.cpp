@@ -19,39 +19,50 @@ struct Options {
     std::string rays;
     std::string output;
     LoadOptions load;
+    std::string accelerator;  // empty: the scene's
+    std::string triangle_test;
     TraceOptions trace;
 };
 
 Result<int> run(const Options& o, const CommonOptions& common) {
-    if (const auto accelerator = find_accelerator(o.trace.accelerator); !accelerator)
-        return fail(accelerator.error(), exit_usage);
+    TraceOptions trace = o.trace;
+    CompileOptions compiling;
+    compiling.accelerator.triangle_test = o.triangle_test;
+    if (const auto test = find_triangle_test(o.triangle_test); !test) return fail(test.error(), exit_usage);
+    if (!o.accelerator.empty()) {
+        const auto accelerator = find_accelerator(o.accelerator);
+        if (!accelerator) return fail(accelerator.error(), exit_usage);
+        trace.method = (*accelerator)->method;
+        compiling.accelerator.structure = (*accelerator)->structure;
+    }
     LoadOptions load = o.load;
     load.voxels = !o.voxels.empty();
     const std::string& input = load.voxels ? o.voxels : o.input;
     const Result<Scene> scene = load_bare(input, load);
     if (!scene) return scene.error();
-    const Result<CompiledScene> compiled = compile(*scene);
+    const Result<CompiledScene> compiled = compile(*scene, compiling);
     if (!compiled) return Error{fmt::format("{}: {}", input, compiled.error().message)};
     const Result<std::vector<TraceRay>> rays = read_rays_npy(o.rays);
     if (!rays) return rays.error();
     const auto start = std::chrono::steady_clock::now();
-    const Result<std::vector<TraceHit>> hits = trace_rays(compiled->view(), *rays, o.trace);
+    const Result<std::vector<TraceHit>> hits = trace_rays(compiled->view(), *rays, trace);
     if (!hits) return hits.error();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (Result<void> written = write_hits_npy(o.output, *hits); !written) return written.error();
     std::size_t hit_count = 0;
     for (const TraceHit& hit : *hits) hit_count += hit.t < kernels::INFINITE;
+    const std::string name = o.accelerator.empty() ? scene->accelerator.structure : o.accelerator;
     const double rate = 1e-6 * double(rays->size()) / std::max(seconds, 1e-9);
     if (common.json)
         fmt::print("{}\n", nlohmann::ordered_json({{"rays", rays->size()},
                                                    {"hits", hit_count},
                                                    {"seconds", seconds},
                                                    {"mrays_per_s", rate},
-                                                   {"accelerator", o.trace.accelerator}})
+                                                   {"accelerator", name}})
                                .dump());
     else if (!common.quiet)
         fmt::print(stderr, "{} rays, {} hits, {:.3f} s, {:.2f} Mrays/s ({})\n", rays->size(), hit_count, seconds, rate,
-                   o.trace.accelerator);
+                   name);
     return int(exit_ok);
 }
 
@@ -65,7 +76,8 @@ std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
     add_load_options(app, o->load);
     app.add_option("--rays", o->rays, "rays.npy: float32 [N,8] = origin, t_min, direction, t_max")->required();
     app.add_option("-o,--output", o->output, "hits.npy: structured array, one record a ray")->required();
-    app.add_option("--accel", o->trace.accelerator, "`spinel list accelerators`")->capture_default_str();
+    app.add_option("--accel", o->accelerator, "`spinel list accelerators` (default: the scene's)");
+    app.add_option("--triangle-test", o->triangle_test, "`spinel list triangle-tests` (default: the scene's)");
     app.add_flag("--any", o->trace.any, "only whether anything is hit: t is 0 if so, infinity if not");
     app.add_option("-t,--threads", o->trace.threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024));
     return [o, &common] {

@@ -54,6 +54,16 @@ FN float slab_entry(vec3 lower, vec3 upper, const_in(SlabRay) ray, float t_max) 
     return enter <= leave * SLAB_WIDENING ? enter : INFINITE;
 }
 
+// Where the ray enters and leaves the box within (t_min, t_max), the latter widened as slab_entry() does; it misses if
+// the first is greater.
+FN vec2 slab_interval(vec3 lower, vec3 upper, const_in(SlabRay) ray, float t_max) {
+    vec3 t0 = (lower - ray.lower_origin) * ray.inverse;
+    vec3 t1 = (upper - ray.upper_origin) * ray.inverse;
+    float enter = max(max(min(t0.x, t1.x), min(t0.y, t1.y)), max(min(t0.z, t1.z), ray.t_min));
+    float leave = min(min(max(t0.x, t1.x), max(t0.y, t1.y)), min(max(t0.z, t1.z), t_max));
+    return vec2(enter, leave * SLAB_WIDENING);
+}
+
 // The surface of the solid [-1, 1]³, from outside the face where the ray enters, from inside the one where it
 // leaves. Hit.primitive = 2·axis + (1 if the face is on the + side); Hit.uv = position on the face along the
 // axes axis + 1 and axis + 2 (cyclic), in [0,1]².

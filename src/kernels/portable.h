@@ -6,6 +6,7 @@
 // difference between the two:
 //
 //   FN               marks a function: `inline` in C++, nothing in GLSL
+//   FN_ANEW          the same, compiled anew wherever it is called: what is constant there costs nothing
 //   inout(T)         a parameter that is read and written; GLSL copies in and out, so never alias two
 //   const_in(T)      a large read-only parameter: a reference in C++, `const in` in GLSL
 //   RECORD(T)        a local name for a record of a buffer: a reference in C++, a copy in GLSL; never written to
@@ -31,6 +32,7 @@
 #include <glm/gtc/packing.hpp>
 
 #define FN inline
+#define FN_ANEW inline __attribute__((always_inline))
 #define inout(T) T&
 #define const_in(T) const T&
 #define RECORD(T) const T&
@@ -83,6 +85,7 @@ inline float bits_float(uint x) { return std::bit_cast<float>(x); }
 #extension GL_EXT_scalar_block_layout : require
 
 #define FN
+#define FN_ANEW
 #define inout(T) inout T
 #define const_in(T) const in T
 #define RECORD(T) T

@@ -43,10 +43,67 @@ BUFFER(Vec2s, vec2)
 BUFFER(Vec3s, vec3)
 BUFFER(Vec4s, vec4)
 
+// A node of a kd-tree. Interior: children are nodes link >> 3 and the one behind it, below and above `split` along axis
+// (link >> 1) & 3. Leaf (link & 1): `split` holds the bits of the number of references, which begin at link >> 3.
+struct KdNode {
+    float split;
+    uint link;
+};
+BUFFER(KdNodes, KdNode)
+
+// A node of a hierarchy of spheres; first and count as in BvhNode.
+struct SphereNode {
+    vec3 center;
+    float radius;
+    uint first;
+    uint count;
+};
+BUFFER(SphereNodes, SphereNode)
+
+// A grid of cells, x fastest; each is a word: 0 is empty, GRID_REFINED and a number is another grid (relative to the
+// mesh's first), anything else is where a list of triangles begins among the mesh's references, its length first.
+const uint GRID_REFINED = 0x80000000u;
+struct MeshGrid {
+    vec3 lower;
+    uint cell_first;  // relative to the mesh's first reference
+    vec3 cell;        // edges of one
+    vec3 inverse_cell;
+    ivec3 size;
+};
+BUFFER(MeshGrids, MeshGrid)
+
+// The affine map that carries a triangle to (0,0,0), (1,0,0), (0,1,0), in rows.
+struct UnitTriangle {
+    vec4 x_row;
+    vec4 y_row;
+    vec4 z_row;
+};
+BUFFER(UnitTriangles, UnitTriangle)
+
+// How rays go through a mesh, and where its structure stands (mesh.h).
+const uint MESH_WALK_BVH2 = 0u;       // BvhNode, with a stack
+const uint MESH_WALK_STACKLESS = 1u;  // BvhNode in depth-first order, with links
+const uint MESH_WALK_KD = 2u;         // KdNode
+const uint MESH_WALK_GRID = 3u;       // MeshGrid
+const uint MESH_WALK_SPHERES = 4u;    // SphereNode
+
+// How rays are tested against its triangles (mesh_triangles.h).
+const uint TRIANGLE_WATERTIGHT = 0u;
+const uint TRIANGLE_MOLLER_TRUMBORE = 1u;
+const uint TRIANGLE_PLANE = 2u;
+const uint TRIANGLE_UNIT = 3u;     // of UnitTriangles
+const uint TRIANGLE_INDEXED = 4u;  // watertight, vertices fetched by index
+
 // Attributes of vertices are streams of their own: what a mesh does not have takes no room and no time.
 struct Mesh {
-    uint node_first;
-    uint triangle_first;  // also indexes TriangleInfos
+    vec3 lower;  // of the triangles
+    vec3 upper;
+    uint walk;             // MESH_WALK_…
+    uint triangle_test;    // TRIANGLE_…
+    uint node_first;       // into the array of the walk
+    uint reference_first;  // into SceneView::words, of walks that refer to triangles by number
+    uint test_first;       // into UnitTriangles or SceneView::positions, of tests that need them
+    uint triangle_first;   // also indexes TriangleInfos
     uint triangle_count;
     uint normal_first;   // the first vertex's in SceneView::normals; NONE: the geometric normal serves
     uint uv_first;       // NONE: (0, 0)
@@ -342,6 +399,11 @@ struct SceneView {
     Contacts contacts;
     Slots slots;
     BvhNodes nodes;  // of all meshes
+    KdNodes kd_nodes;
+    SphereNodes sphere_nodes;
+    MeshGrids mesh_grids;
+    UnitTriangles unit_triangles;
+    Vec3s positions;  // of vertices, of meshes whose test fetches them by index
     Triangles triangles;
     TriangleInfos triangle_infos;
     Vec3s normals;  // of vertices, as the next three

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "geometry/mesh/mesh_structures.h"
 #include "kernels/traverse.h"
 #include "render/reference.h"
 
@@ -17,17 +18,21 @@ using kernels::NONE;
 using kernels::Ray;
 using kernels::SceneView;
 
-// To add an accelerator, write its two functions and add its row. Tests and `--accel` take the names from
-// here.
-constexpr Accelerator table[] = {
-    {"bvh2", "binary BVH over triangles and over instances, stack walk",
-     [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
-         return kernels::trace_closest(scene, ray, mask);
-     },
-     [](const SceneView& scene, const Ray& ray, kernels::uint mask) { return kernels::trace_any(scene, ray, mask); }},
-    {"brute-force", "the naive twin: every primitive in double precision, to test the others against",
-     brute_force_closest, brute_force_any},
+// The two questions of a method.
+struct Walk {
+    Hit (*closest)(const SceneView& scene, const Ray& ray, kernels::uint mask);
+    bool (*any)(const SceneView& scene, const Ray& ray, kernels::uint mask);
 };
+
+Walk walk_of(TraceMethod method) {
+    if (method == TraceMethod::brute_force) return {brute_force_closest, brute_force_any};
+    return {[](const SceneView& scene, const Ray& ray, kernels::uint mask) {
+                return kernels::trace_closest(scene, ray, mask);
+            },
+            [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
+                return kernels::trace_any(scene, ray, mask);
+            }};
+}
 
 bool is_usable(const Ray& ray) {
     const glm::vec3 o = ray.origin, d = ray.direction;
@@ -52,19 +57,19 @@ std::uint32_t material_of(const SceneView& scene, const Hit& hit) {
 }
 
 // The first hit whose surface has a material. t grows from hit to hit, so the loop ends.
-Hit first_material(const SceneView& scene, const Accelerator& accelerator, Ray ray, kernels::uint mask) {
+Hit first_material(const SceneView& scene, const Walk& walk, Ray ray, kernels::uint mask) {
     for (;;) {
-        const Hit hit = accelerator.closest(scene, ray, mask);
+        const Hit hit = walk.closest(scene, ray, mask);
         if (!kernels::is_hit(hit) || material_of(scene, hit) != NONE) return hit;
         assert(hit.t > ray.t_min);
         ray.t_min = hit.t;
     }
 }
 
-bool any_material(const SceneView& scene, const Accelerator& accelerator, const Ray& ray) {
-    if (accelerator.any(scene, ray, kernels::TRACE_SOLID)) return true;
+bool any_material(const SceneView& scene, const Walk& walk, const Ray& ray) {
+    if (walk.any(scene, ray, kernels::TRACE_SOLID)) return true;
     return scene.pass_through_count > 0 &&
-           kernels::is_hit(first_material(scene, accelerator, ray, kernels::TRACE_PASS_THROUGH));
+           kernels::is_hit(first_material(scene, walk, ray, kernels::TRACE_PASS_THROUGH));
 }
 
 constexpr TraceHit miss = {std::numeric_limits<float>::infinity(), NONE, NONE, 0, 0, 0, 0, 0, 0, 0, 0, NONE};
@@ -84,21 +89,30 @@ TraceHit report(const SceneView& scene, const Hit& hit) {
 
 }  // namespace
 
-std::span<const Accelerator> accelerators() { return table; }
+const std::vector<Accelerator>& accelerators() {
+    static const std::vector<Accelerator> rows = [] {
+        std::vector<Accelerator> list;
+        for (const MeshStructure& s : mesh_structures()) list.push_back({s.name, s.doc, s.name});
+        list.push_back({"brute-force",
+                        "the naive twin: every primitive in double precision, to test the others against",
+                        mesh_structures().front().name, TraceMethod::brute_force});
+        return list;
+    }();
+    return rows;
+}
 
 Result<const Accelerator*> find_accelerator(const std::string& name) {
     std::string available;
-    for (const Accelerator& accelerator : table) {
+    for (const Accelerator& accelerator : accelerators()) {
         if (accelerator.name == name) return &accelerator;
-        available += (available.empty() ? "" : ", ") + std::string(accelerator.name);
+        available += (available.empty() ? "" : ", ") + accelerator.name;
     }
     return Error{"unknown accelerator '" + name + "'; available: " + available};
 }
 
 Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const TraceRay> rays,
                                          const TraceOptions& options) {
-    const auto accelerator = find_accelerator(options.accelerator);
-    if (!accelerator) return accelerator.error();
+    const Walk walk = walk_of(options.method);
     std::vector<TraceHit> hits(rays.size(), miss);
     const ThreadLimit limit(options.threads);
     parallel_for(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -107,10 +121,10 @@ Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const
             const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction, std::min(rays[i].t_max, kernels::INFINITE));
             if (!is_usable(ray)) continue;
             if (options.any) {
-                if (any_material(scene, **accelerator, ray)) hits[i].t = 0;
+                if (any_material(scene, walk, ray)) hits[i].t = 0;
                 continue;
             }
-            const Hit hit = first_material(scene, **accelerator, ray, kernels::TRACE_ALL);
+            const Hit hit = first_material(scene, walk, ray, kernels::TRACE_ALL);
             if (kernels::is_hit(hit)) hits[i] = report(scene, hit);
         }
     });

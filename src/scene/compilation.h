@@ -14,6 +14,9 @@ namespace spinel {
 struct Compilation {
     const Scene& scene;
     CompiledScene out = {};
+    AcceleratorSettings accelerator = {};
+    std::map<kernels::uint, Bvh> mesh_bounds =
+        {};                                   // of triangles, for meshes whose structure is no BVH; made when asked
     std::vector<kernels::uint> grid_of = {};  // Scene::grids → DensityGrids, NONE until used
     float emission_rate = 0;  // for emissive media, per unit length: some collisions on the way through the scene
     std::map<std::string, kernels::uint> media = {};  // records by their bytes, so that equals share one

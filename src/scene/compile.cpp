@@ -44,6 +44,11 @@ kernels::SceneView CompiledScene::view() const {
     v.contacts.at = contacts.data();
     v.slots.at = slots.data();
     v.nodes.at = nodes.data();
+    v.kd_nodes.at = kd_nodes.data();
+    v.sphere_nodes.at = sphere_nodes.data();
+    v.mesh_grids.at = mesh_grids.data();
+    v.unit_triangles.at = unit_triangles.data();
+    v.positions.at = positions.data();
     v.triangles.at = triangles.data();
     v.triangle_infos.at = triangle_infos.data();
     v.normals.at = normals.data();
@@ -109,13 +114,6 @@ Shape unit_shape(uint kind, const mat4x3& bake, vec3 upper = vec3(1)) {
     return shape;
 }
 
-// A mesh's vertex attributes; NONE if it has none of this sort.
-template <class T>
-Result<uint> append_stream(std::vector<T>& to, const std::vector<T>& from, const char* what) {
-    if (from.empty()) return kernels::NONE;
-    return append_pool(to, from, what);
-}
-
 struct ShapeBuilder {
     Compilation& c;
     const std::string& name;
@@ -132,30 +130,18 @@ struct ShapeBuilder {
     }
 
     Result<Shape> operator()(const MeshGeometry& mesh) const {
-        Result<MeshData> data = build_mesh(mesh);
+        const Result<MeshData> data = build_mesh(mesh, c.accelerator);
         if (!data) return fail(data.error());
-        CompiledScene& out = c.out;
+        if (data->triangles.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
+        const Result<kernels::Mesh> record = append_mesh(c.out, mesh, *data);
+        if (!record) return fail(record.error());
         Shape shape;
         shape.kind = kernels::GEOMETRY_MESH;
-        shape.index = uint(out.meshes.size());
-        kernels::Mesh record = {};
-        record.triangle_count = uint(data->triangles.size());
-        const std::pair<uint&, Result<uint>> places[] = {
-            {record.node_first, append_pool(out.nodes, data->nodes, "nodes of meshes")},
-            {record.triangle_first, append_pool(out.triangles, data->triangles, "triangles")},
-            {record.normal_first, append_stream(out.normals, mesh.normals, "normals of vertices")},
-            {record.uv_first, append_stream(out.uvs, mesh.uvs, "texture coordinates of vertices")},
-            {record.tangent_first, append_stream(out.tangents, mesh.tangents, "tangents of vertices")},
-            {record.color_first, append_stream(out.colors, mesh.colors, "colours of vertices")}};
-        for (const auto& [first, place] : places) {
-            if (!place) return fail(place.error());
-            first = *place;
-        }
-        append(out.triangle_infos, data->infos);  // one a triangle
-        out.meshes.push_back(record);
+        shape.index = uint(c.out.meshes.size());
         shape.lower = data->bounds.lower;
         shape.upper = data->bounds.upper;
-        if (data->nodes.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
+        c.out.meshes.push_back(*record);
+        c.out.mesh_statistics.push_back(data->statistics);
         return shape;
     }
     Result<Shape> operator()(const VoxelGeometry& voxels) const {
@@ -427,6 +413,9 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     out.film = scene.film;
     if (options.size.x > 0 && options.size.y > 0) out.film.size = options.size;
     out.integrator = scene.integrator;
+    c.accelerator = scene.accelerator;
+    if (!options.accelerator.structure.empty()) c.accelerator.structure = options.accelerator.structure;
+    if (!options.accelerator.triangle_test.empty()) c.accelerator.triangle_test = options.accelerator.triangle_test;
 
     std::optional<Camera> camera;
     if (!scene.cameras.empty() || !options.camera.empty()) {

@@ -5,6 +5,7 @@
 // ray that meets a surface there, one too few a wrong picture.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "kernels/sdf.h"
 #include "scene/compilation.h"
@@ -40,14 +41,34 @@ bool contains(const Box& outer, const Box& inner) {
            glm::all(glm::lessThanEqual(inner.upper, outer.upper));
 }
 
+// A BVH of a mesh's triangles: its own, or one that is made here, whose leaves refer to triangles by an order.
+struct TriangleTree {
+    std::span<const kernels::BvhNode> nodes;
+    std::span<const uint> order;  // empty: triangles stand in the order of the leaves
+};
+
+TriangleTree triangle_tree(Compilation& c, uint index) {
+    const kernels::Mesh& mesh = c.out.meshes[index];
+    if (mesh.walk == kernels::MESH_WALK_BVH2) return {std::span(c.out.nodes).subspan(mesh.node_first), {}};
+    Bvh& made = c.mesh_bounds[index];
+    if (made.nodes.empty()) {
+        std::vector<Box> boxes;
+        for (const kernels::Triangle& t : std::span(c.out.triangles).subspan(mesh.triangle_first, mesh.triangle_count))
+            boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
+        made = build_bvh(boxes);
+    }
+    return {made.nodes, made.order};
+}
+
 // Bounds of a mesh's triangles that come near the region.
-Box mesh_within(const CompiledScene& scene, const kernels::Instance& instance, const Box& local, const Box& region) {
-    const kernels::Mesh& mesh = scene.meshes[instance.geometry];
+Box mesh_within(Compilation& c, const kernels::Instance& instance, const Box& local, const Box& region) {
+    const kernels::Mesh& mesh = c.out.meshes[instance.geometry];
+    const TriangleTree tree = triangle_tree(c, instance.geometry);
     const mat4x3& to_world = instance.object_to_world;
     Box found = empty_box;
     std::vector<uint> pending{0};
     while (!pending.empty()) {
-        const kernels::BvhNode& node = scene.nodes[mesh.node_first + pending.back()];
+        const kernels::BvhNode& node = tree.nodes[pending.back()];
         pending.pop_back();
         if (is_empty(intersection({node.lower, node.upper}, local))) continue;
         // Nothing in here can widen what is found: large meshes take a moment only.
@@ -58,7 +79,8 @@ Box mesh_within(const CompiledScene& scene, const kernels::Instance& instance, c
             continue;
         }
         for (uint i = node.first; i < node.first + node.count; ++i) {
-            const kernels::Triangle& t = scene.triangles[mesh.triangle_first + i];
+            const uint triangle = tree.order.empty() ? i : tree.order[i];
+            const kernels::Triangle& t = c.out.triangles[mesh.triangle_first + triangle];
             Box piece = empty_box;
             for (const vec3& corner : {t.a, t.b, t.c}) piece = hull(piece, world_bounds(to_world, corner, corner));
             add_piece(found, piece, region);
@@ -68,7 +90,8 @@ Box mesh_within(const CompiledScene& scene, const kernels::Instance& instance, c
 }
 
 // Bounds of an instance's surface within a region; empty if there is none.
-Box surface_within(const CompiledScene& scene, const Placed& placed, const Box& region) {
+Box surface_within(Compilation& c, const Placed& placed, const Box& region) {
+    const CompiledScene& scene = c.out;
     const kernels::Instance& instance = placed.instance;
     // A region may be thinner than the rounding of the way to local space and back.
     const float pad = kernels::ROUNDING_ERROR *
@@ -78,7 +101,7 @@ Box surface_within(const CompiledScene& scene, const Placed& placed, const Box& 
     const mat4x3& to_world = instance.object_to_world;
     Box found = empty_box;
     switch (instance.geometry_kind) {
-        case kernels::GEOMETRY_MESH: return mesh_within(scene, instance, local, region);
+        case kernels::GEOMETRY_MESH: return mesh_within(c, instance, local, region);
         case kernels::GEOMETRY_BOX:
             for (int face = 0; face < 6; ++face) {
                 vec3 lower(-1), upper(1);
@@ -188,8 +211,8 @@ struct Finder {
             // A mesh is asked last, about as little as possible.
             if (pa.instance.geometry_kind == kernels::GEOMETRY_MESH) std::swap(a, b);
             error = std::max(position_error(placed(a), shared), position_error(placed(b), shared));
-            where = surface_within(c.out, placed(a), grown(shared, 2 * error));
-            if (!is_empty(where)) where = surface_within(c.out, placed(b), grown(where, 2 * error));
+            where = surface_within(c, placed(a), grown(shared, 2 * error));
+            if (!is_empty(where)) where = surface_within(c, placed(b), grown(where, 2 * error));
             if (is_empty(where)) return;
             where = grown(where, 2 * error);
         } else if (!same_plane(pa.instance, pb.instance)) {

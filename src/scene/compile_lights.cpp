@@ -163,21 +163,43 @@ double power_of(const CompiledScene& out, const kernels::Light& light) {
     }
 }
 
-// Power alone would nearly forget the sky beside the sun, and in the sun's shadow the sky is all there is. So a quarter
-// of the samples is shared evenly between the infinite lights, each by itself, and all others together.
+// How far the environment is from equally bright all around, 0 … 1: the part of its light that sampling by brightness
+// would have to move for that (total variation distance).
+double environment_unevenness(const CompiledScene& out) {
+    const kernels::Environment& e = out.environment;
+    double moved = 0;
+    for (uint y = 0; y < e.height; ++y) {
+        const double row = double(out.floats[e.marginal_first + y + 1]) - double(out.floats[e.marginal_first + y]);
+        const double upper = std::cos(M_PI * y / e.height), lower = std::cos(M_PI * (y + 1) / e.height);
+        const float* columns = &out.floats[e.conditional_first + y * (e.width + 1)];
+        for (uint x = 0; x < e.width; ++x)
+            moved += std::abs(row * (double(columns[x + 1]) - double(columns[x])) - 0.5 * (upper - lower) / e.width);
+    }
+    return 0.5 * moved;
+}
+
+// By power; but power alone would nearly forget the sky beside the sun, and in the sun's shadow the sky is all there
+// is. So a quarter of the samples is shared evenly between the infinite lights, each by itself, and all others
+// together. Scattering itself finds an environment as well as sampling does, but for what stands out in it: so it
+// counts by its unevenness, and one of a single colour is left to scattering where there is any other light.
 std::vector<double> light_probabilities(const CompiledScene& out) {
     const std::size_t n = out.lights.size(), infinite = out.infinite_light_count;
-    std::vector<double> power(n);
-    double total = 0, finite = 0;
+    const double unevenness = out.environment.light == NONE ? 1 : environment_unevenness(out);
+    std::vector<double> power(n), share(n);
+    double total = 0, finite = 0, groups = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        total += power[i] = power_of(out, out.lights[i]);
-        if (i >= infinite) finite += power[i];
+        share[i] = i == out.environment.light ? unevenness : 1;
+        total += power[i] = share[i] * power_of(out, out.lights[i]);
+        (i < infinite ? groups : finite) += i < infinite ? share[i] : power[i];
     }
     if (!(total > 0)) return std::vector<double>(n, 1.0 / double(n));
-    const double groups = double(infinite) + (finite > 0 ? 1 : 0);
+    if (finite > 0) groups += 1;
     std::vector<double> p(n);
     for (std::size_t i = 0; i < n; ++i)
-        p[i] = 0.75 * power[i] / total + 0.25 / groups * (i < infinite ? 1.0 : finite > 0 ? power[i] / finite : 0.0);
+        p[i] = 0.75 * power[i] / total + 0.25 / groups *
+                                             (i < infinite ? share[i]
+                                              : finite > 0 ? power[i] / finite
+                                                           : 0.0);
     return p;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "geometry/mesh/mesh_structures.h"
 #include "spinel/scene.h"
 
 namespace spinel {
@@ -18,6 +19,11 @@ struct CompiledScene {
     std::vector<kernels::Contact> contacts;
     std::vector<kernels::Slot> slots;
     std::vector<kernels::BvhNode> nodes;
+    std::vector<kernels::KdNode> kd_nodes;
+    std::vector<kernels::SphereNode> sphere_nodes;
+    std::vector<kernels::MeshGrid> mesh_grids;
+    std::vector<kernels::UnitTriangle> unit_triangles;
+    std::vector<vec3> positions;
     std::vector<kernels::Triangle> triangles;
     std::vector<kernels::TriangleInfo> triangle_infos;
     std::vector<vec3> normals;
@@ -56,15 +62,17 @@ struct CompiledScene {
     Film film;
     IntegratorSettings integrator;
     std::vector<std::string> object_names;
+    std::vector<MeshStatistics> mesh_statistics;  // parallel to meshes
 
     // Addresses into this object, valid as long as it lives and is not moved.
     kernels::SceneView view() const;
 };
 
 struct CompileOptions {
-    std::string camera = {};      // name; empty: the scene's first
-    ivec2 size = {0, 0};          // of the film; (0, 0): the scene's
-    std::string integrator = {};  // what it will be rendered by; empty: the scene's
+    std::string camera = {};                     // name; empty: the scene's first
+    ivec2 size = {0, 0};                         // of the film; (0, 0): the scene's
+    std::string integrator = {};                 // what it will be rendered by; empty: the scene's
+    AcceleratorSettings accelerator = {"", ""};  // empty names: the scene's
 };
 
 // Validates, builds acceleration structures, majorants and light tables. Errors name the thing and what is allowed.

@@ -208,6 +208,9 @@ void read_scene(JsonContext& context, const JsonValue& root) {
     read("integrator", [&](const JsonValue& value) {
         context.json.record(value, integrator_record(), &scene.integrator, "integrator");
     });
+    read("accelerator", [&](const JsonValue& value) {
+        context.json.record(value, accelerator_record(), &scene.accelerator, "accelerator");
+    });
     read("expected", [&](const JsonValue& value) {
         context.json.record(value, expected_record(), &scene.expected.emplace(), "expected");
     });

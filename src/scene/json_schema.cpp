@@ -170,6 +170,7 @@ OrderedJson definitions() {
     d["camera"] = family_schema(camera_family());
     d["film"] = record_schema(film_record(), false);
     d["integrator"] = record_schema(integrator_record(), false);
+    d["accelerator"] = record_schema(accelerator_record(), false);
     d["environment"] = family_schema(environment_family());
     d["texture"] = family_schema(texture_family());
     d["material"] = family_schema(material_family());
@@ -349,9 +350,9 @@ std::string scene_schema() {
 
 std::string scene_reference() {
     return section("The file", scene_record()) + section("camera", camera_family()) + section("film", film_record()) +
-           section("integrator", integrator_record()) + section("environment", environment_family()) +
-           section("textures", texture_family()) + material_section() + preset_section() +
-           section("media", medium_record()) + section("erosion", erosion_record()) +
+           section("integrator", integrator_record()) + section("accelerator", accelerator_record()) +
+           section("environment", environment_family()) + section("textures", texture_family()) + material_section() +
+           preset_section() + section("media", medium_record()) + section("erosion", erosion_record()) +
            section("geometries", geometry_family()) + section("outlines", outlines_record()) +
            section("waves", waves_record()) + sdf_section() + section("objects", object_record()) +
            section("lights", light_family()) + section("expected", expected_record());

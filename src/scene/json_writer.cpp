@@ -80,6 +80,8 @@ class Writer {
         cameras(root);
         root["film"] = changes(film_record(), &scene_.film);
         root["integrator"] = changes(integrator_record(), &scene_.integrator);
+        if (OrderedJson accelerator = changes(accelerator_record(), &scene_.accelerator); !accelerator.empty())
+            root["accelerator"] = std::move(accelerator);
         environment(root);
         for (std::size_t i = 0; i < textures_.size(); ++i) root["textures"][textures_[i]] = texture(scene_.textures[i]);
         for (std::size_t i = 0; i < materials_.size(); ++i)

@@ -97,6 +97,18 @@ const Record& integrator_record() {
     return table;
 }
 
+const Record& accelerator_record() {
+    static const Record table = record<AcceleratorSettings>(
+        "", "How rays find triangles; the command line overrides it. Pictures agree but for rounding.",
+        {
+            field("type", &AcceleratorSettings::structure,
+                  "What meshes are built into, as `spinel list accelerators` prints it."),
+            field("triangle_test", &AcceleratorSettings::triangle_test,
+                  "How a ray is tested against a triangle, as `spinel list triangle-tests` prints it."),
+        });
+    return table;
+}
+
 const Record& expected_record() {
     static const Record table = record<Expected>(
         "", "Makes the scene a test: what the mean over the picture must be.",
@@ -455,6 +467,7 @@ const Record& scene_record() {
             by_hand("cameras", "cameras", "Several cameras by name, in place of `camera`; the first is the default."),
             by_hand("film", "film", "The picture that is made."),
             by_hand("integrator", "integrator", "How light is computed."),
+            by_hand("accelerator", "accelerator", "How rays find triangles."),
             by_hand("environment", "environment", "Light from infinity; none: black."),
             by_hand("textures", "textures", "Textures by name."),
             by_hand("materials", "materials", "Materials by name."),

@@ -74,6 +74,7 @@ struct Family {
 
 const Record& film_record();
 const Record& integrator_record();
+const Record& accelerator_record();
 const Record& expected_record();
 const Record& medium_record();
 const Record& erosion_record();

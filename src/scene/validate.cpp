@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/mesh/mesh_structures.h"
 #include "geometry/voxels/voxel_builder.h"
 #include "image/pixels.h"
 #include "kernels/materials.h"
@@ -394,6 +395,8 @@ Result<void> validate(const Scene& scene) {
         return {};
     };
     if (const Fault f = fault(scene.film)) return error("film", f);
+    if (const auto found = find_mesh_structure(scene.accelerator.structure); !found) return found.error();
+    if (const auto found = find_triangle_test(scene.accelerator.triangle_test); !found) return found.error();
     if (scene.integrator.spp < 1) return Error{"integrator needs at least 1 sample per pixel"};
     if (scene.integrator.max_bounces < -1) return Error{"integrator has max_bounces below −1"};
     for (const float x : {scene.integrator.ao_radius, scene.integrator.ao_strength, scene.integrator.glow,

@@ -79,24 +79,55 @@ TEST(BvhBuilder, every_box_lies_in_one_leaf_and_in_all_its_ancestors) {
     for (const std::size_t count : {0, 1, 2, 3, 4, 5, 17, 1000, 20000}) {
         for (const std::uint32_t max_leaf : {1u, 4u, kernels::BVH_MAX_LEAF}) {
             const std::vector<Box> boxes = random_boxes(count, 1);
-            check(build_bvh(boxes, {.max_leaf = max_leaf}), boxes, count, max_leaf);
+            for (const BvhMethod method : {BvhMethod::binned, BvhMethod::sweep, BvhMethod::median})
+                check(build_bvh(boxes, {.max_leaf = max_leaf, .method = method}), boxes, count, max_leaf);
         }
     }
 }
 
 TEST(BvhBuilder, the_tree_does_not_depend_on_the_number_of_threads) {
     const std::vector<Box> boxes = random_boxes(100000, 2);
-    std::vector<Bvh> trees;
-    for (const int threads : {1, 2, 4}) {
-        const ThreadLimit limit(threads);
-        trees.push_back(build_bvh(boxes));
+    for (const BvhMethod method : {BvhMethod::binned, BvhMethod::sweep, BvhMethod::median}) {
+        std::vector<Bvh> trees;
+        for (const int threads : {1, 2, 4}) {
+            const ThreadLimit limit(threads);
+            trees.push_back(build_bvh(boxes, {.method = method}));
+        }
+        for (const Bvh& tree : trees) {
+            ASSERT_EQ(tree.nodes.size(), trees[0].nodes.size());
+            EXPECT_EQ(
+                std::memcmp(tree.nodes.data(), trees[0].nodes.data(), tree.nodes.size() * sizeof(kernels::BvhNode)), 0);
+            EXPECT_EQ(tree.order, trees[0].order);
+        }
     }
-    for (const Bvh& tree : trees) {
-        ASSERT_EQ(tree.nodes.size(), trees[0].nodes.size());
-        EXPECT_EQ(std::memcmp(tree.nodes.data(), trees[0].nodes.data(), tree.nodes.size() * sizeof(kernels::BvhNode)),
-                  0);
-        EXPECT_EQ(tree.order, trees[0].order);
+}
+
+TEST(BvhBuilder, more_work_buys_a_better_tree) {
+    const std::vector<Box> boxes = random_boxes(20000, 6);
+    const double median = build_bvh(boxes, {.method = BvhMethod::median}).statistics.sah_cost;
+    const double binned = build_bvh(boxes, {.method = BvhMethod::binned}).statistics.sah_cost;
+    const double sweep = build_bvh(boxes, {.method = BvhMethod::sweep}).statistics.sah_cost;
+    EXPECT_LT(binned, median);
+    EXPECT_LT(sweep, 1.01 * binned);
+}
+
+TEST(BvhBuilder, a_refitted_tree_holds_what_moved_and_nothing_more) {
+    std::vector<Box> boxes = random_boxes(3000, 7);
+    Bvh bvh = build_bvh(boxes);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const glm::vec3 by(std::sin(float(i)), 0.5f * std::cos(float(i)), 2);
+        boxes[i].lower += by;
+        boxes[i].upper += by;
     }
+    std::vector<Box> in_order;
+    for (const std::uint32_t i : bvh.order) in_order.push_back(boxes[i]);
+    refit_bvh(bvh.nodes, in_order);
+    bvh.statistics = bvh_statistics(bvh.nodes, 2);
+    check(bvh, boxes, boxes.size(), 4);
+    glm::vec3 lower = boxes[0].lower, upper = boxes[0].upper;
+    for (const Box& box : boxes) lower = glm::min(lower, box.lower), upper = glm::max(upper, box.upper);
+    EXPECT_EQ(bvh.nodes[0].lower, lower);
+    EXPECT_EQ(bvh.nodes[0].upper, upper);
 }
 
 TEST(BvhBuilder, boxes_in_one_place_are_halved) {

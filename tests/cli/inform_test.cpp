@@ -38,9 +38,15 @@ TEST_F(CliInform, the_version_is_a_number) {
 }
 
 TEST_F(CliInform, list_names_what_is_registered) {
-    const std::vector<std::pair<std::string, std::string>> members = {
-        {"accelerators", "brute-force"}, {"aovs", "depth"},      {"devices", "cpu"}, {"formats", "vox"},
-        {"integrators", "path"},         {"materials", "metal"}, {"sdf", "torus"},   {"worlds", "terrain"}};
+    const std::vector<std::pair<std::string, std::string>> members = {{"accelerators", "brute-force"},
+                                                                      {"aovs", "depth"},
+                                                                      {"devices", "cpu"},
+                                                                      {"formats", "vox"},
+                                                                      {"integrators", "path"},
+                                                                      {"materials", "metal"},
+                                                                      {"sdf", "torus"},
+                                                                      {"triangle-tests", "watertight"},
+                                                                      {"worlds", "terrain"}};
     const Outcome everything = run({"list"});
     EXPECT_EQ(everything.code, 0);
     const Json all = Json::parse(run({"list", "--json"}).out);

@@ -62,7 +62,7 @@ TEST(MeshBuilder, triangles_without_area_are_left_out) {
     mesh.triangles = {{0, 0, 1}};
     const auto nothing = build_mesh(mesh);
     ASSERT_TRUE(nothing);
-    EXPECT_TRUE(nothing->nodes.empty());
+    EXPECT_TRUE(nothing->structure.nodes.empty());
 }
 
 TEST(MeshBuilder, bad_meshes_are_refused_with_the_culprit_named) {

@@ -38,18 +38,17 @@ inline VoxelGeometry voxels_of(ivec3 size, const std::vector<std::uint16_t>& cel
 class TestScene {
   public:
     // Each returns the geometry's index among its kind.
-    std::uint32_t add(const MeshGeometry& mesh) {
-        auto built = build_mesh(mesh);
+    std::uint32_t add(const MeshGeometry& mesh, const AcceleratorSettings& accelerator = {}) {
+        const auto built = build_mesh(mesh, accelerator);
         if (!built) throw std::runtime_error(built.error().message);
-        meshes_.push_back({count(nodes_), count(triangles_), count(built->triangles), NO, NO, NO, NO});
-        append(nodes_, built->nodes);
-        append(triangles_, built->triangles);
-        append(infos_, built->infos);
+        const auto record = append_mesh(pools_, mesh, *built);
+        if (!record) throw std::runtime_error(record.error().message);
+        meshes_.push_back(*record);
         mesh_bounds_.push_back(built->bounds);
         return count(meshes_) - 1;
     }
     std::uint32_t add(const VoxelGeometry& voxels) {
-        grids_.push_back(append_voxels(*voxels.tree, voxel_nodes_, words_));
+        grids_.push_back(append_voxels(*voxels.tree, voxel_nodes_, pools_.words));
         return count(grids_) - 1;
     }
     // A sphere as an implicit surface.
@@ -95,15 +94,20 @@ class TestScene {
         view_.instance_nodes.at = instance_nodes_.data();
         view_.instance_order.at = order_.data();
         view_.slots.at = slots_.data();
-        view_.nodes.at = nodes_.data();
-        view_.triangles.at = triangles_.data();
-        view_.triangle_infos.at = infos_.data();
+        view_.nodes.at = pools_.nodes.data();
+        view_.kd_nodes.at = pools_.kd_nodes.data();
+        view_.sphere_nodes.at = pools_.sphere_nodes.data();
+        view_.mesh_grids.at = pools_.mesh_grids.data();
+        view_.unit_triangles.at = pools_.unit_triangles.data();
+        view_.positions.at = pools_.positions.data();
+        view_.triangles.at = pools_.triangles.data();
+        view_.triangle_infos.at = pools_.triangle_infos.data();
         view_.meshes.at = meshes_.data();
         view_.voxel_grids.at = grids_.data();
         view_.voxel_nodes.at = voxel_nodes_.data();
         view_.sdf_ops.at = ops_.data();
         view_.sdfs.at = sdfs_.data();
-        view_.words.at = words_.data();
+        view_.words.at = pools_.words.data();
         view_.instance_count = count(instances_);
         view_.bounded_count = count(bounded);
         view_.unbounded_count = count(unbounded);
@@ -142,11 +146,22 @@ class TestScene {
     }
 
     std::vector<kernels::Instance> instances_;
-    std::vector<kernels::BvhNode> instance_nodes_, nodes_;
-    std::vector<std::uint32_t> order_, words_;
+    struct Pools {
+        std::vector<kernels::BvhNode> nodes;
+        std::vector<kernels::KdNode> kd_nodes;
+        std::vector<kernels::SphereNode> sphere_nodes;
+        std::vector<kernels::MeshGrid> mesh_grids;
+        std::vector<kernels::UnitTriangle> unit_triangles;
+        std::vector<kernels::Triangle> triangles;
+        std::vector<kernels::TriangleInfo> triangle_infos;
+        std::vector<vec3> positions, normals;
+        std::vector<vec2> uvs;
+        std::vector<vec4> tangents, colors;
+        std::vector<std::uint32_t> words;
+    } pools_;
+    std::vector<kernels::BvhNode> instance_nodes_;
+    std::vector<std::uint32_t> order_;
     std::vector<kernels::Slot> slots_;
-    std::vector<kernels::Triangle> triangles_;
-    std::vector<kernels::TriangleInfo> infos_;
     std::vector<kernels::Mesh> meshes_;
     std::vector<Box> mesh_bounds_;
     std::vector<kernels::VoxelGrid> grids_;

@@ -15,10 +15,10 @@ using namespace test;
 constexpr float INF = std::numeric_limits<float>::infinity();
 
 // Mesh, voxels, implicit surface, analytic shapes, ground; materials numbered as they stand here.
-TestScene everything() {
+TestScene everything(const std::string& structure = "") {
     TestScene parts;
     const auto at = [](float x) { return affine(glm::mat3(1), vec3(x, 0, 0)); };
-    parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(2)), at(-6), {{0, NO}});
+    parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(2), {structure, ""}), at(-6), {{0, NO}});
     const VoxelGeometry voxels = voxels_of({2, 2, 2}, {1, 0, 2, 1, 0, 2, 2, 1});
     parts.place(kernels::GEOMETRY_VOXELS, parts.add(voxels), at(-3), {{1, NO}, {2, 0}});
     parts.place(kernels::GEOMETRY_SDF, parts.add_sdf_sphere(0.9f), at(0), {{3, NO}});
@@ -42,14 +42,14 @@ std::vector<TraceRay> random_rays(std::size_t count) {
 }
 
 TEST(TraceRays, every_accelerator_agrees_with_the_naive_twin) {
-    TestScene parts = everything();
-    const kernels::SceneView& scene = parts.view();
+    TestScene brute = everything();
     const std::vector<TraceRay> rays = random_rays(20000);
-    const auto expected = trace_rays(scene, rays, {.accelerator = "brute-force"});
+    const auto expected = trace_rays(brute.view(), rays, {.method = TraceMethod::brute_force});
     ASSERT_TRUE(expected);
     for (const Accelerator& accelerator : accelerators()) {
-        const auto hits = trace_rays(scene, rays, {.accelerator = accelerator.name});
-        const auto any = trace_rays(scene, rays, {.accelerator = accelerator.name, .any = true});
+        TestScene parts = everything(accelerator.structure);
+        const auto hits = trace_rays(parts.view(), rays, {.method = accelerator.method});
+        const auto any = trace_rays(parts.view(), rays, {.method = accelerator.method, .any = true});
         ASSERT_TRUE(hits && any);
         int differing = 0, found = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -131,8 +131,8 @@ TEST(TraceRays, interfaces_without_a_material_let_rays_pass) {
                                         {vec3(-1, 4.5f, 0.5f), 0, vec3(1, 0, 0), INF},
                                         {vec3(0.5f, 4.5f, -1), 0, vec3(0, 0, 1), INF}};
     for (const Accelerator& accelerator : accelerators()) {
-        const auto hits = trace_rays(parts.view(), rays, {.accelerator = accelerator.name});
-        const auto any = trace_rays(parts.view(), rays, {.accelerator = accelerator.name, .any = true});
+        const auto hits = trace_rays(parts.view(), rays, {.method = accelerator.method});
+        const auto any = trace_rays(parts.view(), rays, {.method = accelerator.method, .any = true});
         ASSERT_TRUE(hits && any);
         EXPECT_EQ((*hits)[0].material, 3u);
         EXPECT_EQ((*hits)[0].t, 4.5f);
@@ -173,9 +173,12 @@ TEST(TraceRays, the_same_bits_for_any_number_of_threads) {
 }
 
 TEST(TraceRays, an_unknown_accelerator_is_named_with_what_there_is) {
-    const auto hits = trace_rays(kernels::SceneView{}, {}, {.accelerator = "bhv2"});
-    ASSERT_FALSE(hits);
-    EXPECT_EQ(hits.error().message, "unknown accelerator 'bhv2'; available: bvh2, brute-force");
+    const auto found = find_accelerator("bhv2");
+    ASSERT_FALSE(found);
+    EXPECT_NE(found.error().message.find("unknown accelerator 'bhv2'; available: bvh2, "), std::string::npos);
+    EXPECT_NE(found.error().message.find(", brute-force"), std::string::npos);
+    for (const Accelerator& accelerator : accelerators())
+        EXPECT_EQ(*find_accelerator(accelerator.name), &accelerator) << "two rows of that name";
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST(JsonReader, errors_say_where_what_and_what_is_allowed) {
               "a.json:1:13: \"version\" must be 1, the only version of scene files there is");
     EXPECT_EQ(message("{\"version\": 1,\n  \"colour\": 3}"),
               "a.json:2:3: unknown key \"colour\" in the scene; allowed: version, camera, cameras, film, "
-              "integrator, "
+              "integrator, accelerator, "
               "environment, textures, materials, media, geometries, objects, lights, expected");
     EXPECT_EQ(message("{\"version\": 1,\n \"film\": {\"exposure\": \"x\"}}"),
               "a.json:2:23: \"exposure\" of film must be a number, not the text \"x\"");

@@ -132,6 +132,39 @@ TEST(LightSampling, directions_follow_the_density_that_a_path_finds) {
     }
 }
 
+TEST(LightSampling, an_environment_is_chosen_by_what_stands_out_in_it) {
+    Scene scene;
+    scene.lights.push_back({"sun", DirectionalLight{{0, -1, 0}, vec3(3), 0}});
+    const auto probability = [&] {
+        const Result<CompiledScene> compiled = compile(scene);
+        EXPECT_TRUE(compiled);
+        return double(compiled->light_table[compiled->environment.light].probability);
+    };
+    scene.environment = ConstantEnvironment{vec3(0.2f)};
+    EXPECT_EQ(probability(), 0);  // scattering alone finds it, without a shadow ray
+    auto pixels = std::make_shared<PixelBuffer>();
+    pixels->width = 8;
+    pixels->height = 4;
+    pixels->channels = 3;
+    std::vector<float> values(8 * 4 * 3, 0.2f);
+    const auto with_lamp = [&](float lamp) {
+        values[3 * 11] = values[3 * 11 + 1] = values[3 * 11 + 2] = lamp;
+        pixels->data = values;
+        ImageEnvironment image;
+        image.pixels = pixels;
+        image.filter = Filter::nearest;
+        scene.environment = image;
+        return probability();
+    };
+    const double faint = with_lamp(0.4f), bright = with_lamp(400);
+    EXPECT_GT(faint, 0.005);
+    EXPECT_LT(faint, 0.1);
+    EXPECT_GT(bright, 0.5);
+    scene.lights.clear();
+    scene.environment = ConstantEnvironment{vec3(0.2f)};
+    EXPECT_EQ(probability(), 1);
+}
+
 TEST(PixelFilter, samples_follow_the_filter) {
     struct Row {
         kernels::uint kind;

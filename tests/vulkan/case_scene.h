@@ -115,6 +115,11 @@ class DeviceScene {
         move(view.instance_order, scene.instance_order);
         move(view.slots, scene.slots);
         move(view.nodes, scene.nodes);
+        move(view.kd_nodes, scene.kd_nodes);
+        move(view.sphere_nodes, scene.sphere_nodes);
+        move(view.mesh_grids, scene.mesh_grids);
+        move(view.unit_triangles, scene.unit_triangles);
+        move(view.positions, scene.positions);
         move(view.triangles, scene.triangles);
         move(view.triangle_infos, scene.triangle_infos);
         move(view.normals, scene.normals);

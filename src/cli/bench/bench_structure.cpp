@@ -6,7 +6,6 @@
 
 #include "devices/cpu/packet_trace.h"
 #include "kernels/traverse.h"
-#include "spinel/trace.h"
 
 namespace spinel::cli {
 namespace {
@@ -45,27 +44,25 @@ double size_of(const std::vector<T>& v) {
 
 }  // namespace
 
-std::vector<BenchStructure> scene_structures(const CompiledScene& scene, double build_ms) {
+std::vector<BenchStructure> scene_structures(const CompiledScene& scene, const std::string& scene_structure,
+                                             double build_ms) {
     const SceneView view = scene.view();
     const double bytes = size_of(scene.instance_nodes) + size_of(scene.instance_order) + size_of(scene.nodes) +
                          size_of(scene.triangles) + size_of(scene.voxel_nodes);
     std::vector<BenchStructure> list;
-    for (const Accelerator& accelerator : accelerators()) {
-        if (accelerator.name == std::string("brute-force")) continue;  // right, and far too slow to be timed
-        BenchStructure s;
-        s.name = accelerator.name;
-        s.build_ms = build_ms;
-        s.bytes = bytes;
-        s.closest = [view, &accelerator](std::span<const Ray> rays, Hit* hits) {
-            for (std::size_t i = 0; i < rays.size(); ++i)
-                hits[i] = accelerator.closest(view, rays[i], kernels::TRACE_ALL);
-        };
-        s.any = [view, &accelerator](std::span<const Ray> rays, Hit* hits) {
-            for (std::size_t i = 0; i < rays.size(); ++i)
-                hits[i].instance = accelerator.any(view, rays[i], kernels::TRACE_ALL) ? 0 : kernels::NONE;
-        };
-        list.push_back(std::move(s));
-    }
+    BenchStructure single;
+    single.name = scene_structure;
+    single.build_ms = build_ms;
+    single.bytes = bytes;
+    single.closest = [view](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i] = kernels::trace_closest(view, rays[i], kernels::TRACE_ALL);
+    };
+    single.any = [view](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i].instance = kernels::trace_any(view, rays[i], kernels::TRACE_ALL) ? 0 : kernels::NONE;
+    };
+    list.push_back(std::move(single));
     BenchStructure packets = list.front();
     packets.name += ", 8 rays";
     packets.closest = [view](std::span<const Ray> rays, Hit* hits) {

@@ -23,7 +23,8 @@ struct BenchStructure {
 };
 
 // Of the whole scene, in the order of the table; the first is what the others are compared with.
-std::vector<BenchStructure> scene_structures(const CompiledScene& scene, double build_ms);
+std::vector<BenchStructure> scene_structures(const CompiledScene& scene, const std::string& scene_structure,
+                                             double build_ms);
 
 // Of one set of voxels, in its own space. `tree` is the set that instance `instance` shows.
 std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, kernels::uint instance, const VoxelTree& tree);

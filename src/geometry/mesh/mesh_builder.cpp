@@ -1,5 +1,6 @@
 #include "geometry/mesh/mesh_builder.h"
 
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -13,6 +14,33 @@ Result<void> check_size(const char* name, std::size_t size, const char* unit, st
     if (size == 0 || size == expected) return {};
     return Error{"mesh has " + std::to_string(size) + " " + name + " for " + std::to_string(expected) + " " + unit +
                  "; allowed: none, or one for each"};
+}
+
+// In double, as the map of a thin triangle is large; z counts along the normal, in units of the root of twice the area,
+// so that all three rows are of a size.
+kernels::UnitTriangle unit_triangle(const kernels::Triangle& t) {
+    const glm::dvec3 a(t.a), ab = glm::dvec3(t.b) - a, ac = glm::dvec3(t.c) - a, normal = glm::cross(ab, ac);
+    const glm::dmat3 to_triangle(ab, ac, normal / std::sqrt(glm::length(normal)));
+    const glm::dmat3 rows = glm::transpose(glm::inverse(to_triangle));
+    const auto row = [&](int i) { return vec4(vec3(rows[i]), float(-glm::dot(rows[i], a))); };
+    return {row(0), row(1), row(2)};
+}
+
+// What the triangle test reads, and how much memory all that a ray may read takes.
+void add_test_data(const MeshGeometry& mesh, MeshData& data) {
+    const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
+    std::size_t bytes = size(data.triangles);
+    if (data.triangle_test == kernels::TRIANGLE_UNIT) {
+        for (const kernels::Triangle& triangle : data.triangles) data.unit_triangles.push_back(unit_triangle(triangle));
+        bytes = size(data.unit_triangles);
+    }
+    if (data.triangle_test == kernels::TRIANGLE_INDEXED) {
+        data.positions_needed = true;
+        bytes = size(mesh.positions) + data.triangles.size() * sizeof(uvec3);
+    }
+    const MeshArrays& s = data.structure;
+    data.statistics.bytes =
+        bytes + size(s.nodes) + size(s.kd_nodes) + size(s.sphere_nodes) + size(s.grids) + size(s.references);
 }
 
 }  // namespace
@@ -42,13 +70,26 @@ Result<void> validate_mesh(const MeshGeometry& mesh) {
     return check_size("material slots", mesh.slots.size(), "triangles", mesh.triangles.size());
 }
 
-Result<MeshData> build_mesh(const MeshGeometry& mesh, const BvhOptions& options) {
+Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator) {
     if (auto valid = validate_mesh(mesh); !valid) return valid.error();
+    const Result<const MeshStructure*> structure = find_mesh_structure(accelerator.structure);
+    if (!structure) return structure.error();
+    const Result<const TriangleTest*> test = find_triangle_test(accelerator.triangle_test);
+    if (!test) return test.error();
     MeshData data;
+    data.walk = (*structure)->walk;
+    data.triangle_test = (*test)->test;
+    data.bounds = {mesh.positions[0], mesh.positions[0]};
+    for (const vec3& position : mesh.positions) {
+        data.bounds.lower = glm::min(data.bounds.lower, position);
+        data.bounds.upper = glm::max(data.bounds.upper, position);
+    }
 
     std::vector<std::uint32_t> kept;  // triangles with an area
+    std::vector<kernels::Triangle> triangles;
     std::vector<Box> boxes;
     kept.reserve(mesh.triangles.size());
+    triangles.reserve(mesh.triangles.size());
     boxes.reserve(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const vec3 a = mesh.positions[mesh.triangles[i].x];
@@ -57,26 +98,28 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const BvhOptions& options)
         const vec3 normal = glm::cross(b - a, c - a);
         if (!(glm::dot(normal, normal) > 0)) continue;  // also where the square underflows: no direction to be had
         kept.push_back(static_cast<std::uint32_t>(i));
+        triangles.push_back({a, b, c});
         boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
     }
-
-    Bvh bvh = build_bvh(boxes, options);
-    data.nodes = std::move(bvh.nodes);
-    data.statistics = bvh.statistics;
-    data.triangles.reserve(kept.size());
-    data.infos.reserve(kept.size());
-    for (const std::uint32_t box : bvh.order) {
-        const std::uint32_t primitive = kept[box];
-        const uvec3 vertices = mesh.triangles[primitive];
-        data.triangles.push_back({mesh.positions[vertices.x], mesh.positions[vertices.y], mesh.positions[vertices.z]});
-        data.infos.push_back({vertices, mesh.slots.empty() ? 0u : mesh.slots[primitive], primitive});
+    if (kept.empty()) return data;
+    data.triangle_bounds = boxes[0];
+    for (const Box& box : boxes) {
+        data.triangle_bounds.lower = glm::min(data.triangle_bounds.lower, box.lower);
+        data.triangle_bounds.upper = glm::max(data.triangle_bounds.upper, box.upper);
     }
 
-    data.bounds = {mesh.positions[0], mesh.positions[0]};
-    for (const vec3& position : mesh.positions) {
-        data.bounds.lower = glm::min(data.bounds.lower, position);
-        data.bounds.upper = glm::max(data.bounds.upper, position);
+    const auto start = std::chrono::steady_clock::now();
+    (*structure)->build({triangles, boxes}, data.structure, data.statistics);
+    data.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    const std::vector<std::uint32_t>& order = data.structure.order;
+    data.triangles.reserve(order.size());
+    data.infos.reserve(order.size());
+    for (const std::uint32_t i : order) {
+        data.triangles.push_back(triangles[i]);
+        data.infos.push_back({mesh.triangles[kept[i]], mesh.slots.empty() ? 0u : mesh.slots[kept[i]], kept[i]});
     }
+    add_test_data(mesh, data);
     return data;
 }
 

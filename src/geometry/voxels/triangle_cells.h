@@ -15,9 +15,11 @@ namespace spinel {
 
 class TriangleCells {
   public:
-    // In the cells' space.
-    TriangleCells(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
-        : lower_(glm::min(a, glm::min(b, c))), upper_(glm::max(a, glm::max(b, c))), normal_(glm::cross(b - a, c - a)) {
+    // In the cells' space. Cells are larger by `margin` on every side.
+    TriangleCells(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double margin = 0)
+        : lower_(glm::min(a, glm::min(b, c)) - margin),
+          upper_(glm::max(a, glm::max(b, c)) + margin),
+          normal_(glm::cross(b - a, c - a)) {
         const double length = glm::length(normal_);
         // Of a triangle without area, what fused multiplication leaves of the product is no direction: a segment has no
         // plane, its edges say all.
@@ -29,8 +31,9 @@ class TriangleCells {
             near_corner[i] = 1 - far_corner[i];
             if (std::abs(normal_[i]) > std::abs(normal_[main_])) main_ = i;
         }
-        plane_upper_ = glm::dot(normal_, far_corner - a) + slack;
-        plane_lower_ = glm::dot(normal_, near_corner - a) - slack;
+        const double reach = margin * (std::abs(normal_.x) + std::abs(normal_.y) + std::abs(normal_.z)) + slack;
+        plane_upper_ = glm::dot(normal_, far_corner - a) + reach;
+        plane_lower_ = glm::dot(normal_, near_corner - a) - reach;
         const glm::dvec3 vertices[3] = {a, b, c};
         for (int axis = 0; axis < 3; ++axis) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -40,8 +43,9 @@ class TriangleCells {
                 glm::dvec2 n = sign * glm::dvec2(-edge[v], edge[u]);
                 const double size = glm::length(n);
                 if (size > 0) n /= size;
-                edges_[axis][i] = {
-                    n, -glm::dot(n, glm::dvec2(from[u], from[v])) + std::max(0.0, n.x) + std::max(0.0, n.y) + slack};
+                const double wide = std::max(0.0, n.x) + std::max(0.0, n.y);
+                edges_[axis][i] = {n, -glm::dot(n, glm::dvec2(from[u], from[v])) + wide +
+                                          margin * (std::abs(n.x) + std::abs(n.y)) + slack};
             }
         }
     }

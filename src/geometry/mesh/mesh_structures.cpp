@@ -1,0 +1,138 @@
+#include "geometry/mesh/mesh_structures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "accel/grid_builder.h"
+#include "accel/kd_builder.h"
+#include "accel/sphere_builder.h"
+#include "geometry/mesh/triangle_clip.h"
+#include "geometry/voxels/triangle_cells.h"
+#include "kernels/mesh_grid.h"
+
+namespace spinel {
+namespace {
+
+void take(Bvh&& bvh, MeshArrays& arrays, MeshStatistics& statistics) {
+    statistics.sah_cost = bvh.statistics.sah_cost;
+    statistics.depth = bvh.statistics.depth;
+    statistics.leaf_count = bvh.statistics.leaf_count;
+    arrays.nodes = std::move(bvh.nodes);
+    arrays.order = std::move(bvh.order);
+}
+
+void build_stackless(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    take(build_bvh(input.boxes), arrays, statistics);
+    arrays.nodes = with_skip_links(arrays.nodes);
+}
+
+template <BvhMethod method>
+void build_bvh2(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    take(build_bvh(input.boxes, {.method = method}), arrays, statistics);
+}
+
+void build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    constexpr BvhOptions options;
+    take(build_bvh(input.boxes, options), arrays, statistics);
+    arrays.sphere_nodes = sphere_nodes(arrays.nodes, [&](std::uint32_t place, const glm::dvec3& from) {
+        const kernels::Triangle& t = input.triangles[arrays.order[place]];
+        const auto square = [&](const glm::vec3& p) {
+            const glm::dvec3 d = glm::dvec3(p) - from;
+            return glm::dot(d, d);
+        };
+        return std::sqrt(std::max({square(t.a), square(t.b), square(t.c)}));
+    });
+    arrays.nodes.clear();
+    statistics.sah_cost = sphere_cost(arrays.sphere_nodes, options.traversal_cost);
+}
+
+void build_kd(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    KdTree tree = build_kd_tree(
+        input.boxes, [&](std::uint32_t i, const Box& region) { return clipped_bounds(input.triangles[i], region); });
+    // Triangles in the order in which leaves name them first.
+    std::vector<std::uint32_t> place(input.triangles.size(), kernels::NONE);
+    for (std::uint32_t& reference : tree.references) {
+        std::uint32_t& p = place[reference];
+        if (p == kernels::NONE) {
+            p = std::uint32_t(arrays.order.size());
+            arrays.order.push_back(reference);
+        }
+        reference = p;
+    }
+    arrays.kd_nodes = std::move(tree.nodes);
+    arrays.references = std::move(tree.references);
+    statistics.sah_cost = tree.sah_cost;
+    statistics.depth = tree.depth;
+    statistics.leaf_count = tree.leaf_count;
+}
+
+template <bool hierarchical>
+void build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    const auto cells_of = [&](std::uint32_t i, const CellGrid& grid, const VisitCell& visit) {
+        const kernels::Triangle& t = input.triangles[i];
+        const auto in_cells = [&](const glm::vec3& p) {
+            return (glm::dvec3(p) - glm::dvec3(grid.lower)) / glm::dvec3(grid.cell);
+        };
+        const TriangleCells cells(in_cells(t.a), in_cells(t.b), in_cells(t.c), double(kernels::GRID_MARGIN));
+        cells.for_each(glm::ivec3(0), grid.size, visit);
+    };
+    GridOptions options;
+    if (hierarchical) options = {.density = 1, .refine_above = 8};
+    Grid3 grid = build_grid(input.boxes, cells_of, options);
+    arrays.grids = std::move(grid.grids);
+    arrays.references = std::move(grid.words);
+    arrays.order = std::move(grid.order);
+    statistics.sah_cost = grid.sah_cost;
+    statistics.depth = grid.depth;
+    statistics.leaf_count = grid.list_count;
+}
+
+constexpr MeshStructure structures[] = {
+    {"bvh2", "binary BVH by binned surface area heuristic, stack walk", kernels::MESH_WALK_BVH2,
+     build_bvh2<BvhMethod::binned>},
+    {"bvh2-sweep", "binary BVH by surface area heuristic at every plane", kernels::MESH_WALK_BVH2,
+     build_bvh2<BvhMethod::sweep>},
+    {"bvh2-median", "binary BVH that halves by number", kernels::MESH_WALK_BVH2, build_bvh2<BvhMethod::median>},
+    {"bvh2-stackless", "the tree of bvh2, walked by skip links", kernels::MESH_WALK_STACKLESS, build_stackless},
+    {"kd-tree", "kd-tree by surface area heuristic over clipped triangles, 8-byte nodes", kernels::MESH_WALK_KD,
+     build_kd},
+    {"grid", "uniform grid, 3D-DDA, mailboxes", kernels::MESH_WALK_GRID, build_grids<false>},
+    {"grid-hierarchical", "grids within the cells of a grid, where much lies close together", kernels::MESH_WALK_GRID,
+     build_grids<true>},
+    {"spheres", "the tree of bvh2 with balls in place of boxes: an experiment", kernels::MESH_WALK_SPHERES,
+     build_spheres},
+};
+
+constexpr TriangleTest tests[] = {
+    {"watertight", "Woop, Benthin, Wald 2013: no ray slips between two triangles", kernels::TRIANGLE_WATERTIGHT},
+    {"moller-trumbore", "Möller and Trumbore 1997", kernels::TRIANGLE_MOLLER_TRUMBORE},
+    {"plane", "the plane, then the areas that its point spans with the edges", kernels::TRIANGLE_PLANE},
+    {"unit-triangle", "an affine map for each triangle (Woop 2004), 48 bytes in place of 36", kernels::TRIANGLE_UNIT},
+    {"watertight-indexed", "watertight, vertices fetched by index in place of gathered ones",
+     kernels::TRIANGLE_INDEXED},
+};
+
+template <class Row>
+Result<const Row*> find(std::span<const Row> table, std::string_view name, const char* what) {
+    if (name.empty()) return &table.front();
+    std::string available;
+    for (const Row& row : table) {
+        if (row.name == name) return &row;
+        available += (available.empty() ? "" : ", ") + std::string(row.name);
+    }
+    return Error{"unknown " + std::string(what) + " '" + std::string(name) + "'; available: " + available};
+}
+
+}  // namespace
+
+std::span<const MeshStructure> mesh_structures() { return structures; }
+std::span<const TriangleTest> triangle_tests() { return tests; }
+
+Result<const MeshStructure*> find_mesh_structure(std::string_view name) {
+    return find<MeshStructure>(structures, name, "accelerator");
+}
+Result<const TriangleTest*> find_triangle_test(std::string_view name) {
+    return find<TriangleTest>(tests, name, "triangle test");
+}
+
+}  // namespace spinel

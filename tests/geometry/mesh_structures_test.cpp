@@ -1,0 +1,284 @@
+// Every structure of the table × every triangle test: what a loop over all triangles finds, to the last bit of t.
+
+#include "geometry/mesh/mesh_structures.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+
+#include "geometry/test_scene.h"
+#include "kernels/mesh.h"
+
+namespace spinel {
+namespace {
+
+using namespace test;
+using kernels::Hit;
+using kernels::Ray;
+using kernels::SceneView;
+
+// ---------------------------------------------------------------------------------------------------------- meshes
+MeshGeometry soup_of(const std::vector<kernels::Triangle>& triangles) {
+    MeshGeometry mesh;
+    for (const kernels::Triangle& t : triangles) {
+        const auto first = std::uint32_t(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(), {t.a, t.b, t.c});
+        mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    return mesh;
+}
+
+MeshGeometry moved(MeshGeometry mesh, float scale, vec3 by) {
+    for (vec3& p : mesh.positions) p = p * scale + by;
+    return mesh;
+}
+
+MeshGeometry together(MeshGeometry a, const MeshGeometry& b) {
+    const auto first = std::uint32_t(a.positions.size());
+    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+    for (const uvec3& t : b.triangles) a.triangles.push_back(t + first);
+    return a;
+}
+
+MeshGeometry random_soup(int count, float size) {
+    Random random(7);
+    std::vector<kernels::Triangle> list;
+    for (int i = 0; i < count; ++i) {
+        const vec3 at = random.in_cube(1);
+        const float s = size * (i % 10 == 0 ? 8.0f : 1.0f);
+        list.push_back({at + random.in_cube(s), at + random.in_cube(s), at + random.in_cube(s)});
+    }
+    return soup_of(list);
+}
+
+MeshGeometry slivers(int count) {
+    Random random(8);
+    std::vector<kernels::Triangle> list;
+    for (int i = 0; i < count; ++i) {
+        const vec3 at = random.in_cube(1), along = random.in_cube(1);
+        list.push_back({at, at + along, at + 0.5f * along + random.in_cube(1e-5f)});
+    }
+    return soup_of(list);
+}
+
+// Steps of a pyramid, all faces parallel to axes and on integers, some in one plane.
+MeshGeometry steps() {
+    std::vector<kernels::Triangle> list;
+    const auto quad = [&](vec3 a, vec3 u, vec3 v) {
+        list.push_back({a, a + u, a + u + v});
+        list.push_back({a, a + u + v, a + v});
+    };
+    for (int level = 0; level < 4; ++level)
+        for (int x = level; x < 8 - level; ++x)
+            for (int z = level; z < 8 - level; ++z) {
+                const vec3 at{float(x), float(level), float(z)};
+                quad(at + vec3(0, 1, 0), vec3(1, 0, 0), vec3(0, 0, 1));
+                quad(at, vec3(1, 0, 0), vec3(0, 1, 0));
+                quad(at, vec3(0, 0, 1), vec3(0, 1, 0));
+            }
+    return soup_of(list);
+}
+
+MeshGeometry the_same_many_times(int count) {
+    const kernels::Triangle t{vec3(0), vec3(1, 0, 0.5f), vec3(0, 1, 0.25f)};
+    return soup_of(std::vector<kernels::Triangle>(std::size_t(count), t));
+}
+
+struct Case {
+    const char* name;
+    std::function<MeshGeometry()> mesh;
+};
+
+const Case cases[] = {
+    {"one triangle", [] { return the_same_many_times(1); }},
+    {"forty times the same", [] { return the_same_many_times(40); }},
+    {"sphere", [] { return icosphere(3); }},
+    {"torus", [] { return torus(24, 16, 0.4f); }},
+    {"soup", [] { return random_soup(600, 0.1f); }},
+    {"large and small", [] { return random_soup(300, 0.01f); }},
+    {"slivers", [] { return slivers(200); }},
+    {"steps", [] { return steps(); }},
+    {"one plane",
+     [] {
+         MeshGeometry mesh = random_soup(300, 0.2f);
+         for (vec3& p : mesh.positions) p.y = 0.5f;
+         return mesh;
+     }},
+    {"far away", [] { return moved(icosphere(3), 40, vec3(1e6f, -3e6f, 2e6f)); }},
+    {"far away soup", [] { return moved(random_soup(400, 0.1f), 1, vec3(1e4f, 2e4f, -3e4f)); }},
+    {"tiny", [] { return moved(icosphere(2), 1e-6f, vec3(0)); }},
+    {"enormous", [] { return moved(torus(16, 12, 0.3f), 1e6f, vec3(0)); }},
+    {"teapot in the stadium",
+     [] { return together(moved(icosphere(4), 0.02f, vec3(3, 1, -2)), moved(steps(), 10, vec3(-40, 0, -40))); }},
+};
+
+// ------------------------------------------------------------------------------------------------------------ rays
+std::vector<Ray> rays_for(const MeshGeometry& mesh) {
+    vec3 lower = mesh.positions[0], upper = lower;
+    for (const vec3& p : mesh.positions) lower = glm::min(lower, p), upper = glm::max(upper, p);
+    const vec3 center = 0.5f * (lower + upper);
+    const float radius = 0.5f * glm::length(upper - lower);
+    Random random(9);
+    const auto index = [&](std::size_t size) { return std::size_t(random.uniform(0, 0.999f) * float(size)); };
+    const auto corner = [&](int k) {
+        const uvec3 t = mesh.triangles[index(mesh.triangles.size())];
+        return std::array{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}[std::size_t(k)];
+    };
+    std::vector<Ray> rays;
+    const auto add = [&](vec3 from, vec3 direction) {
+        if (glm::length(direction) > 0) rays.push_back(Ray(from, 0, direction, kernels::INFINITE));
+    };
+    for (int i = 0; i < 400; ++i) add(center + random.in_cube(2 * radius), random.in_cube(radius));
+    for (int i = 0; i < 400; ++i) {
+        const vec3 from = center + random.in_cube(2 * radius);
+        add(from, center + random.in_cube(0.7f * radius) - from);
+    }
+    for (int i = 0; i < 300; ++i) {  // at vertices, edges, points within
+        const uvec3 t = mesh.triangles[index(mesh.triangles.size())];
+        const vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+        const vec3 from = center + random.in_cube(2 * radius);
+        add(from, a - from);
+        add(from, 0.5f * (a + b) - from);
+        add(from, (a + b + c) / 3.0f - from);
+        add(a, random.in_cube(radius));  // from the surface
+        add(0.5f * (b + c), from - 0.5f * (b + c));
+        add(a, b - a);  // along edges
+    }
+    for (int i = 0; i < 300; ++i) {  // along the axes, through vertices and elsewhere
+        vec3 axis(0);
+        axis[i % 3] = i % 2 ? 1.0f : -1.0f;
+        vec3 through = i % 4 < 2 ? corner(i % 3) : center + random.in_cube(radius);
+        if (i % 5 == 0) through = glm::floor(through);
+        add(through - 3 * radius * axis, axis);
+        add(through, axis);
+        vec3 in_plane = random.in_cube(1);
+        in_plane[i % 3] = 0;
+        add(through - 2 * radius * in_plane, in_plane);
+    }
+    for (int i = 0; i < 100; ++i) {  // from far away
+        const vec3 from = center + random.in_cube(radius * (i % 2 ? 1e3f : 1e5f));
+        add(from, center + random.in_cube(0.7f * radius) - from);
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) {  // segments, directions of any length
+        if (i % 5 == 1) rays[i].t_max = random.uniform(0, 2);
+        if (i % 7 == 2) rays[i].t_min = random.uniform(0, 1);
+        if (i % 11 == 3) rays[i].direction *= 1e-3f;
+    }
+    return rays;
+}
+
+// -------------------------------------------------------------------------------------------------- the naive twin
+struct Naive {
+    float t;
+    std::uint32_t triangle = NO;  // the user's
+    bool real = true;             // false: the test found a triangle beside itself, as those of slivers do by rounding
+};
+
+// In double precision, edges included.
+bool really_hit(const kernels::Triangle& t, const Ray& ray, float found) {
+    const glm::dvec3 a(t.a), e1 = glm::dvec3(t.b) - a, e2 = glm::dvec3(t.c) - a, d(ray.direction);
+    const glm::dvec3 p = glm::cross(d, e2), s = glm::dvec3(ray.origin) - a, q = glm::cross(s, e1);
+    const double determinant = glm::dot(e1, p);
+    const double u = glm::dot(s, p) / determinant, v = glm::dot(d, q) / determinant;
+    const double exact = glm::dot(e2, q) / determinant;
+    return u >= 0 && v >= 0 && u + v <= 1 && std::abs(exact - double(found)) <= 2e-6 * std::abs(exact);
+}
+
+Naive naive_closest(const SceneView& scene, const Ray& ray) {
+    const kernels::Mesh& mesh = scene.meshes.at[0];
+    const kernels::MeshRay r = kernels::mesh_ray(scene, 0, ray, false, mesh.triangle_test);
+    kernels::MeshNearest nearest{{ray.t_max, 0, 0}, NO};
+    for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) kernels::mesh_test(scene, r, i, nearest);
+    if (nearest.triangle == NO) return {ray.t_max};
+    const kernels::Triangle& t = scene.triangles.at[nearest.triangle];
+    const vec2 span = kernels::slab_interval(glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c)),
+                                             r.slab, kernels::INFINITE);
+    return {nearest.hit.t, scene.triangle_infos.at[nearest.triangle].primitive,
+            nearest.hit.t >= span.x && nearest.hit.t <= span.y && really_hit(t, ray, nearest.hit.t)};
+}
+
+// The same for every structure: the order in which triangles are stored changes nothing.
+const std::vector<Naive>& naive_of(std::size_t which, kernels::uint test, const SceneView& scene,
+                                   const std::vector<Ray>& rays) {
+    static std::map<std::pair<std::size_t, kernels::uint>, std::vector<Naive>> known;
+    std::vector<Naive>& list = known[{which, test}];
+    if (list.empty())
+        for (const Ray& ray : rays) list.push_back(naive_closest(scene, ray));
+    return list;
+}
+
+class MeshStructures : public testing::TestWithParam<std::tuple<std::size_t, std::size_t>> {
+  protected:
+    const MeshStructure& structure() const { return mesh_structures()[std::get<0>(GetParam())]; }
+    const TriangleTest& test() const { return triangle_tests()[std::get<1>(GetParam())]; }
+};
+
+TEST_P(MeshStructures, closest_and_any_hit_equal_brute_force_on_adversarial_rays) {
+    for (std::size_t which = 0; which < std::size(cases); ++which) {
+        const Case& c = cases[which];
+        SCOPED_TRACE(c.name);
+        const MeshGeometry mesh = c.mesh();
+        TestScene built;
+        built.place(kernels::GEOMETRY_MESH, built.add(mesh, {structure().name, test().name}));
+        const SceneView& scene = built.view();
+        const bool exact = test().test == kernels::TRIANGLE_WATERTIGHT || test().test == kernels::TRIANGLE_INDEXED;
+        int found = 0, excused = 0;
+        const std::vector<Ray> rays = rays_for(mesh);
+        const std::vector<Naive>& naive = naive_of(which, test().test, scene, rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const Ray& ray = rays[i];
+            const Naive& expected = naive[i];
+            Hit hit = kernels::no_hit(ray.t_max), counted = hit;
+            kernels::mesh_closest(scene, 0, ray, hit);
+            const bool any = kernels::mesh_any(scene, 0, ray);
+            found += expected.triangle != NO;
+            if (!exact && !expected.real && (hit.t > expected.t || !any)) {
+                ++excused;
+                continue;
+            }
+            ASSERT_EQ(hit.t, expected.t) << "ray " << i << " from " << ray.origin.x << ' ' << ray.origin.y << ' '
+                                         << ray.origin.z << " towards " << ray.direction.x << ' ' << ray.direction.y
+                                         << ' ' << ray.direction.z << ", triangle " << expected.triangle;
+            ASSERT_EQ(any, expected.triangle != NO) << "ray " << i;
+            kernels::WalkCount count = kernels::no_count();
+            kernels::mesh_closest_counted(scene, 0, ray, counted, count);
+            ASSERT_EQ(counted.t, hit.t);
+            ASSERT_EQ(counted.primitive, hit.primitive);
+            if (expected.triangle != NO) { ASSERT_TRUE(count.steps + count.tests > 0 && count.tests > 0); }
+        }
+        EXPECT_GT(found, 50);
+        EXPECT_LE(excused, found / 20);
+    }
+}
+
+TEST_P(MeshStructures, every_triangle_is_stored_once_and_measured) {
+    TestScene built;
+    const MeshGeometry mesh = torus(40, 30, 0.4f);
+    const auto data = build_mesh(mesh, {structure().name, test().name});
+    ASSERT_TRUE(data);
+    std::vector<bool> seen(mesh.triangles.size(), false);
+    for (const kernels::TriangleInfo& info : data->infos) {
+        ASSERT_FALSE(seen[info.primitive]);
+        seen[info.primitive] = true;
+    }
+    EXPECT_EQ(data->infos.size(), mesh.triangles.size());
+    EXPECT_GT(data->statistics.sah_cost, 1);
+    EXPECT_GT(data->statistics.leaf_count, 10u);
+    EXPECT_GT(data->statistics.bytes, mesh.triangles.size() * 12);
+}
+
+std::string parameter_name(const testing::TestParamInfo<std::tuple<std::size_t, std::size_t>>& info) {
+    std::string name = std::string(mesh_structures()[std::get<0>(info.param)].name) + "_with_" +
+                       triangle_tests()[std::get<1>(info.param)].name;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MeshStructures,
+                         testing::Combine(testing::Range(std::size_t(0), mesh_structures().size()),
+                                          testing::Range(std::size_t(0), triangle_tests().size())),
+                         parameter_name);
+
+}  // namespace
+}  // namespace spinel
