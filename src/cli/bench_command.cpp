@@ -8,6 +8,7 @@
 
 #include "cli/bench/bench_rays.h"
 #include "cli/bench/bench_structure.h"
+#include "cli/bench/world_mesh.h"
 #include "cli/commands.h"
 #include "scene/compiled_scene.h"
 #include "scene/complete.h"
@@ -153,8 +154,11 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     std::vector<Row> rows;
     {
         const BenchRays rays = scene_rays(compiled->view(), o.size);
-        const std::vector<BenchStructure> structures =
+        std::vector<BenchStructure> structures =
             scene_structures(*compiled, scene->accelerator.structure, build_ms);
+        const WorldMesh meshes = world_mesh(*scene);
+        for (BenchStructure& s : wide_structures(meshes)) structures.push_back(std::move(s));
+        for (BenchStructure& s : embree_structures(meshes)) structures.push_back(std::move(s));
         measure("scene", structures, "primary", rays.primary, false, o.repeats, rows);
         measure("scene", structures, "diffuse", rays.diffuse, false, o.repeats, rows);
         measure("scene", structures, "shadow", rays.shadow, true, o.repeats, rows);
