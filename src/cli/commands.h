@@ -1,12 +1,16 @@
 #pragma once
 // The program's subcommands: one file each, one row each in main.cpp.
 
-#include <CLI/CLI.hpp>
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/result.h"
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
 
 namespace spinel::cli {
 
@@ -36,9 +40,7 @@ std::function<int()> generate_command(CLI::App& app, const CommonOptions& common
 CLI::Validator finite_number();
 
 // Names of files may be any bytes, JSON is UTF-8: what is not becomes U+FFFD.
-inline std::string json_text(const nlohmann::ordered_json& json, int indent) {
-    return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
+std::string json_text(const nlohmann::ordered_json& json, int indent);
 
 // Prints "spinel: message" to stderr and gives the exit code.
 int fail(const Error& error, ExitCode code = exit_bad_input);

@@ -1,5 +1,7 @@
 #include "cli/load_options.h"
 
+#include <CLI/CLI.hpp>
+
 namespace spinel::cli {
 
 void add_load_options(CLI::App& app, LoadOptions& options) {

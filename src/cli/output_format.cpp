@@ -1,6 +1,7 @@
 #include "cli/output_format.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace spinel::cli {
 

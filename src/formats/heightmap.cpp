@@ -138,7 +138,7 @@ Result<Scene> load_hgt(const std::filesystem::path& path, const LoadOptions& opt
     if (voids > 0)
         scene->notes.push_back(std::to_string(voids) + " of its heights are void and lie as low as the lowest");
     if (!latitude)
-        scene->notes.push_back("its name gives no latitude (as N44W072 does): it is as wide as on the equator");
+        scene->notes.emplace_back("its name gives no latitude (as N44W072 does): it is as wide as on the equator");
     return scene;
 }
 

@@ -9,9 +9,9 @@
 namespace spinel {
 namespace {
 
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
 
-std::string in(std::string_view key, const std::string& what) { return quoted(key) + " of " + what; }
+std::string in(std::string_view key, const std::string& what) { return in_quotes(key) + " of " + what; }
 
 std::vector<std::string> names_of(const Record& record, bool typed) {
     std::vector<std::string> names;
@@ -44,13 +44,13 @@ bool JsonReader::record(const JsonValue& value, const Record& record, void* targ
         if (typed && member.key == "type") continue;
         const Field* row = record.find(member.key);
         if (!row)
-            fail(member.offset, "unknown key " + quoted(member.key) + " in " + what +
-                                    (typed ? " of type " + quoted(record.type) : "") +
+            fail(member.offset, "unknown key " + in_quotes(member.key) + " in " + what +
+                                    (typed ? " of type " + in_quotes(record.type) : "") +
                                     "; allowed: " + list_names(names_of(record, typed)));
         else if (row->kind != FieldKind::by_hand && target) field(member.value, *row, target, what);
     }
     for (const Field& row : record.fields)
-        if (row.required && !value.find(row.name)) fail(value, what + " needs " + quoted(row.name));
+        if (row.required && !value.find(row.name)) fail(value, what + " needs " + in_quotes(row.name));
     return true;
 }
 
@@ -75,7 +75,7 @@ const Record* JsonReader::select(const JsonValue& value, const Family& family, c
     }
     for (const Record& record : family.records)
         if (record.type == name) return &record;
-    fail(*type, "unknown " + std::string(family.noun) + " type " + quoted(name) + " in " + what +
+    fail(*type, "unknown " + std::string(family.noun) + " type " + in_quotes(name) + " in " + what +
                     "; available: " + list_names(types));
     return nullptr;
 }
@@ -136,7 +136,7 @@ void JsonReader::texture(const JsonValue& value, const Field& row, void* target,
         for (const JsonMember& member : *value.object())
             if (member.key != "texture" && member.key != "factor")
                 fail(member.offset,
-                     "unknown key " + quoted(member.key) + " in " + where + "; allowed: texture, factor");
+                     "unknown key " + in_quotes(member.key) + " in " + where + "; allowed: texture, factor");
         name = value.find("texture");
         factor = value.find("factor");
         if (!name) return fail(value, where + " needs \"texture\"");
@@ -248,7 +248,7 @@ int JsonReader::reference(const JsonValue& value, const NameTable& table, const 
     if (!name) return -1;
     const auto found = table.indices.find(*name);
     if (found != table.indices.end()) return found->second;
-    fail(value, where + ": no " + table.noun + " is named " + quoted(*name) +
+    fail(value, where + ": no " + table.noun + " is named " + in_quotes(*name) +
                     (table.names.empty() ? "; the scene defines none" : "; defined: " + list_names(table.names)));
     return -1;
 }

@@ -1,0 +1,1 @@
+// The library of precompiled headers has to hold something.
