@@ -300,7 +300,7 @@ struct IntegratorSettings {
 
 // What meshes are built into and how rays are tested against their triangles; pictures are the same but for rounding.
 struct AcceleratorSettings {
-    std::string structure = "bvh2";            // `spinel list accelerators`
+    std::string structure = "wide-bvh8";       // `spinel list accelerators`
     std::string triangle_test = "watertight";  // `spinel list triangle-tests`
 };
 

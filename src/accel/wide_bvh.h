@@ -14,17 +14,6 @@
 
 namespace spinel {
 
-// A wide hierarchy consists of units of eight lanes. An interior node is wide_node_units of them: the planes lower x,
-// upper x, lower y, upper y, lower z, upper z of eight boxes, then their references; boxes that are not used are
-// inverted. A reference's upper four bits count the blocks of a leaf, 0: a node; the lower ones say where it begins, in
-// units from the root. A block is wide_block_units: rows of four lanes, x, y and z of the vertices a, b, c of four
-// triangles, then their indices; where there are fewer, the last is repeated.
-struct alignas(32) WideUnit {
-    float lanes[8];
-};
-inline constexpr std::uint32_t wide_node_units = 7;
-inline constexpr std::uint32_t wide_block_units = 5;
-
 struct WideBvhOptions {
     std::uint32_t max_leaf_blocks = 2;  // of four triangles each, at most 15
     float node_cost = 1.0f;             // of eight boxes at once …
@@ -40,7 +29,7 @@ struct WideBvhStatistics {
 };
 
 struct WideBvh {
-    HugeVector<WideUnit> units;  // the root first; empty without triangles
+    HugeVector<kernels::WideUnit> units;  // the root first; empty without triangles
     WideBvhStatistics statistics;
 };
 

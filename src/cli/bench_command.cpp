@@ -155,8 +155,7 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     std::vector<Row> rows;
     {
         const BenchRays rays = scene_rays(compiled->view(), o.size);
-        std::vector<BenchStructure> structures =
-            scene_structures(*compiled, scene->accelerator.structure, build_ms);
+        std::vector<BenchStructure> structures = scene_structures(*compiled, scene->accelerator.structure, build_ms);
         const WorldMesh meshes = world_mesh(*scene);
         for (BenchStructure& s : wide_structures(meshes)) structures.push_back(std::move(s));
         for (BenchStructure& s : embree_structures(meshes)) structures.push_back(std::move(s));

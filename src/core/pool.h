@@ -21,8 +21,8 @@ inline Result<std::uint32_t> pool_place(std::size_t size, std::size_t more, std:
 }
 
 // The index of the first of the elements appended.
-template <class T, class Range>
-Result<std::uint32_t> append_pool(std::vector<T>& pool, const Range& more, std::string_view what) {
+template <class T, class Allocator, class Range>
+Result<std::uint32_t> append_pool(std::vector<T, Allocator>& pool, const Range& more, std::string_view what) {
     Result<std::uint32_t> first = pool_place(pool.size(), std::size(more), what);
     if (first) pool.insert(pool.end(), std::begin(more), std::end(more));
     return first;

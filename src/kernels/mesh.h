@@ -6,6 +6,7 @@
 #include "mesh_grid.h"
 #include "mesh_kd.h"
 #include "mesh_spheres.h"
+#include "mesh_wide.h"
 KERNELS_BEGIN
 
 FN_ANEW MeshNearest mesh_walk(const_in(SceneView) scene, uint mesh, Ray ray, bool any, uint test,
@@ -18,8 +19,19 @@ FN_ANEW MeshNearest mesh_walk(const_in(SceneView) scene, uint mesh, Ray ray, boo
         case MESH_WALK_KD: mesh_kd_walk(scene, mesh, r, nearest, count); break;
         case MESH_WALK_GRID: mesh_grid_walk(scene, mesh, r, nearest, count); break;
         case MESH_WALK_SPHERES: mesh_sphere_walk(scene, mesh, r, nearest, count); break;
+        case MESH_WALK_WIDE: mesh_wide_walk(scene, mesh, r, nearest, count); break;
     }
     return nearest;
+}
+
+// The same without counters, by the device's own walk where it has one.
+FN MeshNearest mesh_nearest(const_in(SceneView) scene, uint mesh, Ray ray, bool any) {
+    uint test = scene.meshes.at[mesh].triangle_test;
+    WalkCount unread = no_count();
+    if (test != TRIANGLE_WATERTIGHT) return mesh_walk(scene, mesh, ray, any, test, unread);
+    if (scene.meshes.at[mesh].walk == MESH_WALK_WIDE) return device_mesh_wide(scene, mesh, ray, any);
+    return any ? mesh_walk(scene, mesh, ray, true, TRIANGLE_WATERTIGHT, unread)
+               : mesh_walk(scene, mesh, ray, false, TRIANGLE_WATERTIGHT, unread);
 }
 
 // What is known of the triangle that was found.
@@ -39,22 +51,13 @@ FN void mesh_report(const_in(SceneView) scene, uint mesh, const_in(MeshNearest) 
 FN void mesh_closest(const_in(SceneView) scene, uint mesh, Ray ray, inout(Hit) hit) {
     if (scene.meshes.at[mesh].triangle_count == 0u) return;
     Ray limited = Ray(ray.origin, ray.t_min, ray.direction, hit.t);
-    uint test = scene.meshes.at[mesh].triangle_test;
-    WalkCount unread = no_count();
-    MeshNearest nearest = test == TRIANGLE_WATERTIGHT
-                              ? mesh_walk(scene, mesh, limited, false, TRIANGLE_WATERTIGHT, unread)
-                              : mesh_walk(scene, mesh, limited, false, test, unread);
-    mesh_report(scene, mesh, nearest, hit);
+    mesh_report(scene, mesh, mesh_nearest(scene, mesh, limited, false), hit);
 }
 
 // Whether any triangle lies in (ray.t_min, ray.t_max).
 FN bool mesh_any(const_in(SceneView) scene, uint mesh, Ray ray) {
     if (scene.meshes.at[mesh].triangle_count == 0u) return false;
-    uint test = scene.meshes.at[mesh].triangle_test;
-    WalkCount unread = no_count();
-    MeshNearest nearest = test == TRIANGLE_WATERTIGHT ? mesh_walk(scene, mesh, ray, true, TRIANGLE_WATERTIGHT, unread)
-                                                      : mesh_walk(scene, mesh, ray, true, test, unread);
-    return nearest.triangle != NONE;
+    return mesh_nearest(scene, mesh, ray, true).triangle != NONE;
 }
 
 // The same with what it cost added to `count`.

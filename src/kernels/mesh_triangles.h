@@ -5,6 +5,7 @@
 //
 // A walk is written once and compiled anew (FN_ANEW) for the nearest hit and for any, for the usual test and for one
 // that is told at run time, with counters and, where nobody reads them, without.
+#include "box.h"
 #include "triangle.h"
 #include "triangle_plane.h"
 #include "triangle_unit.h"
@@ -65,9 +66,10 @@ FN bool mesh_other_test(const_in(SceneView) scene, const_in(MeshRay) ray, uint i
     return false;
 }
 
-// Tests triangle i of SceneView::triangles; true if it is nearer than what was found before.
+// Tests triangle i of SceneView::triangles; true if it is nearer than what was found before, or as near and stands
+// before it, so that the answer does not depend on the order in which a walk comes by.
 FN_ANEW bool mesh_test(const_in(SceneView) scene, const_in(MeshRay) ray, uint i, inout(MeshNearest) nearest) {
-    float t_max = nearest.hit.t;
+    float t_max = nearest.triangle != NONE && i < nearest.triangle ? next_above(nearest.hit.t) : nearest.hit.t;
     bool nearer = ray.test == TRIANGLE_WATERTIGHT
                       ? triangle_watertight(ray.sheared, scene.triangles.at[i], ray.ray.t_min, t_max, nearest.hit)
                       : mesh_other_test(scene, ray, i, t_max, nearest.hit);

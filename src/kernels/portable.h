@@ -10,6 +10,7 @@
 //   inout(T)         a parameter that is read and written; GLSL copies in and out, so never alias two
 //   const_in(T)      a large read-only parameter: a reference in C++, `const in` in GLSL
 //   RECORD(T)        a local name for a record of a buffer: a reference in C++, a copy in GLSL; never written to
+//   ALIGNED(bytes)   of a record: for vector loads in C++
 //   BUFFER(Name, T)  a read-only array that lives in device memory; element i is `name.at[i]`
 //   KERNELS_BEGIN    opens namespace spinel::kernels in C++, nothing in GLSL; KERNELS_END closes it
 //
@@ -36,6 +37,7 @@
 #define inout(T) T&
 #define const_in(T) const T&
 #define RECORD(T) const T&
+#define ALIGNED(bytes) alignas(bytes)
 #define BUFFER(Name, T) \
     struct Name {       \
         const T* at;    \
@@ -89,6 +91,7 @@ inline float bits_float(uint x) { return std::bit_cast<float>(x); }
 #define inout(T) inout T
 #define const_in(T) const in T
 #define RECORD(T) T
+#define ALIGNED(bytes)
 #define BUFFER(Name, T) \
     layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name { T at[]; };
 #define KERNELS_BEGIN

@@ -80,12 +80,25 @@ struct UnitTriangle {
 };
 BUFFER(UnitTriangles, UnitTriangle)
 
+// A wide hierarchy (mesh_wide.h) consists of units of eight lanes. An interior node is WIDE_NODE_UNITS of them: the
+// planes lower x, upper x, lower y, upper y, lower z, upper z of eight boxes, then their references; boxes that are not
+// used are inverted. A reference's upper four bits count the blocks of a leaf, 0: a node; the lower ones say where it
+// begins, in units from the root. A block is WIDE_BLOCK_UNITS: rows of four lanes, x, y and z of the vertices a, b, c
+// of four triangles, then their indices; where there are fewer, the last is repeated.
+struct ALIGNED(32) WideUnit {
+    float lanes[8];
+};
+BUFFER(WideUnits, WideUnit)
+const uint WIDE_NODE_UNITS = 7u;
+const uint WIDE_BLOCK_UNITS = 5u;
+
 // How rays go through a mesh, and where its structure stands (mesh.h).
 const uint MESH_WALK_BVH2 = 0u;       // BvhNode, with a stack
 const uint MESH_WALK_STACKLESS = 1u;  // BvhNode in depth-first order, with links
 const uint MESH_WALK_KD = 2u;         // KdNode
 const uint MESH_WALK_GRID = 3u;       // MeshGrid
 const uint MESH_WALK_SPHERES = 4u;    // SphereNode
+const uint MESH_WALK_WIDE = 5u;       // WideUnit
 
 // How rays are tested against its triangles (mesh_triangles.h).
 const uint TRIANGLE_WATERTIGHT = 0u;
@@ -402,6 +415,7 @@ struct SceneView {
     KdNodes kd_nodes;
     SphereNodes sphere_nodes;
     MeshGrids mesh_grids;
+    WideUnits wide_units;
     UnitTriangles unit_triangles;
     Vec3s positions;  // of vertices, of meshes whose test fetches them by index
     Triangles triangles;

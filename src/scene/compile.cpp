@@ -47,6 +47,7 @@ kernels::SceneView CompiledScene::view() const {
     v.kd_nodes.at = kd_nodes.data();
     v.sphere_nodes.at = sphere_nodes.data();
     v.mesh_grids.at = mesh_grids.data();
+    v.wide_units.at = wide_units.data();
     v.unit_triangles.at = unit_triangles.data();
     v.positions.at = positions.data();
     v.triangles.at = triangles.data();

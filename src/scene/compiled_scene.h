@@ -23,6 +23,7 @@ struct CompiledScene {
     std::vector<kernels::KdNode> kd_nodes;
     std::vector<kernels::SphereNode> sphere_nodes;
     std::vector<kernels::MeshGrid> mesh_grids;
+    HugeVector<kernels::WideUnit> wide_units;
     std::vector<kernels::UnitTriangle> unit_triangles;
     std::vector<vec3> positions;
     std::vector<kernels::Triangle> triangles;

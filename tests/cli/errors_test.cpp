@@ -156,7 +156,7 @@ TEST_F(CliErrors, a_value_that_is_none_of_the_allowed_ones_is_wrong_usage) {
     expect_refused({scene, "--tone-map", "sepia"}, USAGE, "unknown tone map 'sepia'; available: linear, aces, agx");
     expect_refused({scene, "--aov", "smell"}, USAGE, "smell");
     expect_complaint(run({"trace", scene, "--rays", at("r.npy"), "-o", at("h.npy"), "--accel", "abacus"}), USAGE,
-                     "unknown accelerator 'abacus'; available: bvh2");
+                     "unknown accelerator 'abacus'; available: wide-bvh8, bvh2");
     expect_complaint(run({"list", "colours"}), USAGE, "materials");
     for (const std::string output : {"picture.bmp", "picture", "{name}.jpg"})
         expect_complaint(run({"render", scene, "-o", at(output)}), USAGE, "pictures are written as .png or .exr");

@@ -96,6 +96,7 @@ class TestScene {
         view_.slots.at = slots_.data();
         view_.nodes.at = pools_.nodes.data();
         view_.kd_nodes.at = pools_.kd_nodes.data();
+        view_.wide_units.at = pools_.wide_units.data();
         view_.sphere_nodes.at = pools_.sphere_nodes.data();
         view_.mesh_grids.at = pools_.mesh_grids.data();
         view_.unit_triangles.at = pools_.unit_triangles.data();
@@ -149,6 +150,7 @@ class TestScene {
     struct Pools {
         std::vector<kernels::BvhNode> nodes;
         std::vector<kernels::KdNode> kd_nodes;
+        HugeVector<kernels::WideUnit> wide_units;
         std::vector<kernels::SphereNode> sphere_nodes;
         std::vector<kernels::MeshGrid> mesh_grids;
         std::vector<kernels::UnitTriangle> unit_triangles;

@@ -175,7 +175,8 @@ TEST(TraceRays, the_same_bits_for_any_number_of_threads) {
 TEST(TraceRays, an_unknown_accelerator_is_named_with_what_there_is) {
     const auto found = find_accelerator("bhv2");
     ASSERT_FALSE(found);
-    EXPECT_NE(found.error().message.find("unknown accelerator 'bhv2'; available: bvh2, "), std::string::npos);
+    EXPECT_NE(found.error().message.find("unknown accelerator 'bhv2'; available: wide-bvh8, bvh2, "),
+              std::string::npos);
     EXPECT_NE(found.error().message.find(", brute-force"), std::string::npos);
     for (const Accelerator& accelerator : accelerators())
         EXPECT_EQ(*find_accelerator(accelerator.name), &accelerator) << "two rows of that name";

@@ -116,6 +116,7 @@ class DeviceScene {
         move(view.slots, scene.slots);
         move(view.nodes, scene.nodes);
         move(view.kd_nodes, scene.kd_nodes);
+        move(view.wide_units, scene.wide_units);
         move(view.sphere_nodes, scene.sphere_nodes);
         move(view.mesh_grids, scene.mesh_grids);
         move(view.unit_triangles, scene.unit_triangles);

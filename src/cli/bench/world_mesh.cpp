@@ -46,7 +46,7 @@ std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
         BenchStructure s;
         s.name = "wide-bvh8-" + std::string(preset.name);
         s.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        s.bytes = double(tree->units.size() * sizeof(WideUnit));
+        s.bytes = double(tree->units.size() * sizeof(kernels::WideUnit));
         const WideMesh wide{tree->units.data(), mesh.lower, mesh.upper};
         s.closest = [tree, wide](std::span<const Ray> rays, Hit* hits) {
             for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "devices/cpu/avx2.h"
-#include "kernels/triangle.h"
+#include "kernels/mesh_wide.h"
 
 namespace spinel {
 
@@ -33,18 +33,18 @@ kernels::Triangle triangle_of(const float* block, int lane) {
 // ones sooner, while it is told to go on; `t_max` is read anew each time.
 template <class Visit>
 void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit& visit) {
-    const glm::vec3 inverse = wide_inverse(ray.direction);
-    const float padding = wide_padding(mesh, ray);
-    Entry stack[wide_stack_size];
+    const glm::vec3 inverse = kernels::wide_inverse(ray.direction);
+    const float padding = kernels::wide_padding(mesh.lower, mesh.upper, ray.origin);
+    Entry stack[kernels::WIDE_STACK_SIZE];
     int size = 0;
     stack[size++] = {0, ray.t_min};
     while (size > 0) {
         const Entry entry = stack[--size];
         if (!(entry.enter <= t_max)) continue;
-        const WideUnit* const unit = mesh.units + (entry.reference & 0xfffffffu);
+        const kernels::WideUnit* const unit = mesh.units + (entry.reference & kernels::WIDE_UNIT_MASK);
         if (const std::uint32_t blocks = entry.reference >> 28; blocks > 0) {
             for (std::uint32_t b = 0; b < blocks; ++b) {
-                const float* const block = unit[b * wide_block_units].lanes;
+                const float* const block = unit[b * kernels::WIDE_BLOCK_UNITS].lanes;
                 for (int lane = 0; lane < 4; ++lane)
                     if (!visit(triangle_of(block, lane), bits(block[36 + lane]))) return;
             }
@@ -112,3 +112,12 @@ bool wide_any(const WideMesh& mesh, const Ray& ray) { return wide_any_portable(m
 #endif
 
 }  // namespace spinel
+
+// The device's walk, as kernels/mesh_wide.h declares it.
+spinel::kernels::MeshNearest spinel::kernels::device_mesh_wide(const SceneView& scene, uint mesh, Ray ray, bool any) {
+    const Mesh& m = scene.meshes.at[mesh];
+    const WideMesh wide{scene.wide_units.at + m.node_first, m.lower, m.upper};
+    if (any) return {TriangleHit(ray.t_max, 0, 0), wide_any(wide, ray) ? m.triangle_first : NONE};
+    const WideHit hit = wide_closest(wide, ray);
+    return {TriangleHit(hit.t, hit.u, hit.v), hit.triangle == NONE ? NONE : m.triangle_first + hit.triangle};
+}

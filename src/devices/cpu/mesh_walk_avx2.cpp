@@ -1,9 +1,9 @@
 // One ray against eight boxes at once, and four triangles.
 //
 // Planes are signed by the ray's octant beforehand, so that one fused multiply-add tells where one is met, and what
-// rounds is in the added constant (wide_padding()). The usual small numbers of children that are hit have code of their
-// own; children wait on the stack with the distance at which they are entered, and what they need of memory is asked
-// for at once: that counts most on large meshes (measured: + 10 to 20 %).
+// rounds is in the added constant (kernels/mesh_wide.h). The usual small numbers of children that are hit have code of
+// their own; children wait on the stack with the distance at which they are entered, and what they need of memory is
+// asked for at once: that counts most on large meshes (measured: + 10 to 20 %).
 
 #include <bit>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "devices/cpu/avx2.h"
 #include "devices/cpu/mesh_walk.h"
-#include "kernels/triangle.h"
+#include "kernels/mesh_wide.h"
 
 #ifdef SPINEL_AVX2
 SPINEL_AVX2_BEGIN
@@ -44,8 +44,8 @@ struct Slabs {
 };
 
 SPINEL_INLINE Slabs make_slabs(const WideMesh& mesh, const Ray& ray) {
-    const float padding = wide_padding(mesh, ray);
-    const glm::vec3 inverse = wide_inverse(ray.direction), o = ray.origin;
+    const float padding = kernels::wide_padding(mesh.lower, mesh.upper, ray.origin);
+    const glm::vec3 inverse = kernels::wide_inverse(ray.direction), o = ray.origin;
     return {make_slab_axis(0, o.x, inverse.x, padding), make_slab_axis(1, o.y, inverse.y, padding),
             make_slab_axis(2, o.z, inverse.z, padding), _mm256_set1_ps(ray.t_min)};
 }
@@ -66,7 +66,7 @@ SPINEL_INLINE unsigned hit_boxes(const float* node, const Slabs& s, __m256 t_max
     return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
 }
 
-SPINEL_INLINE void prefetch(const WideUnit* units, std::uint32_t reference) {
+SPINEL_INLINE void prefetch(const kernels::WideUnit* units, std::uint32_t reference) {
     const char* p = reinterpret_cast<const char*>(units + (reference & unit_mask));
     for (int line = 0; line < 4; ++line) _mm_prefetch(p + 64 * line, _MM_HINT_T0);
 }
@@ -188,11 +188,11 @@ SPINEL_INLINE void order(std::int64_t& a, std::int64_t& b) {
 WideHit wide_closest_avx2(const WideMesh& mesh, const Ray& ray) {
     const Slabs slabs = make_slabs(mesh, ray);
     const Shear shear = make_shear(ray);
-    const WideUnit* const units = mesh.units;
+    const kernels::WideUnit* const units = mesh.units;
     const __m128 t_min = _mm_set1_ps(ray.t_min);
     Best best = {ray.t_max, 0, 0, 0, false};
     __m256 t_max = _mm256_set1_ps(best.t);
-    std::int64_t stack[wide_stack_size];
+    std::int64_t stack[kernels::WIDE_STACK_SIZE];
     std::int64_t* top = stack;
     std::uint32_t reference = 0;
     for (;;) {
@@ -257,7 +257,7 @@ WideHit wide_closest_avx2(const WideMesh& mesh, const Ray& ray) {
             std::uint32_t rest = reference >> reference_bits;
             do {
                 nearer |= closest_in_block(block, shear, t_min, best);
-                block += 8 * wide_block_units;
+                block += 8 * kernels::WIDE_BLOCK_UNITS;
             } while (--rest);
             if (nearer) t_max = _mm256_set1_ps(best.t);
         }
@@ -272,10 +272,10 @@ WideHit wide_closest_avx2(const WideMesh& mesh, const Ray& ray) {
 bool wide_any_avx2(const WideMesh& mesh, const Ray& ray) {
     const Slabs slabs = make_slabs(mesh, ray);
     const Shear shear = make_shear(ray);
-    const WideUnit* const units = mesh.units;
+    const kernels::WideUnit* const units = mesh.units;
     const __m128 t_min = _mm_set1_ps(ray.t_min), t_max4 = _mm_set1_ps(ray.t_max);
     const __m256 t_max = _mm256_set1_ps(ray.t_max);
-    std::uint32_t stack[wide_stack_size];
+    std::uint32_t stack[kernels::WIDE_STACK_SIZE];
     std::uint32_t* top = stack;
     std::uint32_t reference = 0;
     for (;;) {
@@ -298,7 +298,7 @@ bool wide_any_avx2(const WideMesh& mesh, const Ray& ray) {
             std::uint32_t rest = reference >> reference_bits;
             do {
                 if (any_in_block(block, shear, t_min, t_max4)) return true;
-                block += 8 * wide_block_units;
+                block += 8 * kernels::WIDE_BLOCK_UNITS;
             } while (--rest);
         }
     pop:

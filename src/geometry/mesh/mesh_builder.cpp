@@ -38,9 +38,11 @@ void add_test_data(const MeshGeometry& mesh, MeshData& data) {
         data.positions_needed = true;
         bytes = size(mesh.positions) + data.triangles.size() * sizeof(uvec3);
     }
+    const bool in_blocks = data.walk == kernels::MESH_WALK_WIDE && data.triangle_test == kernels::TRIANGLE_WATERTIGHT;
+    if (in_blocks) bytes = 0;  // vertices stand in the hierarchy
     const MeshArrays& s = data.structure;
-    data.statistics.bytes =
-        bytes + size(s.nodes) + size(s.kd_nodes) + size(s.sphere_nodes) + size(s.grids) + size(s.references);
+    data.statistics.bytes = bytes + size(s.nodes) + size(s.kd_nodes) + size(s.sphere_nodes) + size(s.grids) +
+                            size(s.references) + size(s.wide_units);
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ Result<kernels::Mesh> append_mesh(Pools& out, const MeshGeometry& mesh, const Me
     if (!arrays.kd_nodes.empty()) node_first = append_pool(out.kd_nodes, arrays.kd_nodes, "nodes of kd-trees");
     if (!arrays.sphere_nodes.empty()) node_first = append_pool(out.sphere_nodes, arrays.sphere_nodes, "spheres");
     if (!arrays.grids.empty()) node_first = append_pool(out.mesh_grids, arrays.grids, "grids");
+    if (!arrays.wide_units.empty()) node_first = append_pool(out.wide_units, arrays.wide_units, "units of wide trees");
     if (!data.unit_triangles.empty()) test_first = append_pool(out.unit_triangles, data.unit_triangles, "triangles");
     if (data.positions_needed) test_first = append_pool(out.positions, mesh.positions, "vertices");
     const std::pair<std::uint32_t&, Result<std::uint32_t>> places[] = {

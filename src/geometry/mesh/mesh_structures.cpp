@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "accel/grid_builder.h"
 #include "accel/kd_builder.h"
 #include "accel/sphere_builder.h"
 #include "geometry/mesh/triangle_clip.h"
+#include "geometry/mesh/wide_mesh.h"
 #include "geometry/voxels/triangle_cells.h"
 #include "kernels/mesh_grid.h"
 
@@ -87,7 +89,19 @@ void build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatistics& sta
     statistics.leaf_count = grid.list_count;
 }
 
+void build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    WideBvh tree = build_wide_mesh(input.triangles);
+    arrays.wide_units = std::move(tree.units);
+    arrays.order.resize(input.triangles.size());
+    std::iota(arrays.order.begin(), arrays.order.end(), 0u);
+    statistics.sah_cost = tree.statistics.sah_cost * 4;  // blocks of four triangles
+    statistics.depth = tree.statistics.depth;
+    statistics.leaf_count = tree.statistics.block_count;
+}
+
 constexpr MeshStructure structures[] = {
+    {"wide-bvh8", "BVH of eight children, spatial splits where boxes overlap much; AVX2 on CPUs",
+     kernels::MESH_WALK_WIDE, build_wide},
     {"bvh2", "binary BVH by binned surface area heuristic, stack walk", kernels::MESH_WALK_BVH2,
      build_bvh2<BvhMethod::binned>},
     {"bvh2-sweep", "binary BVH by surface area heuristic at every plane", kernels::MESH_WALK_BVH2,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "accel/bvh_builder.h"
+#include "core/huge_pages.h"
 #include "core/result.h"
 
 namespace spinel {
@@ -29,6 +30,7 @@ struct MeshArrays {
     std::vector<kernels::KdNode> kd_nodes;
     std::vector<kernels::SphereNode> sphere_nodes;
     std::vector<kernels::MeshGrid> grids;
+    HugeVector<kernels::WideUnit> wide_units;
     std::vector<std::uint32_t> references;  // of structures that name triangles by their place in the order
 };
 
