@@ -22,6 +22,7 @@ struct LoadOptions {
     std::optional<float> heightmap;  // pictures and heights are terrain: its highest column has so many voxels,
                                      // the lowest one
     bool voxels = false;             // active voxels of a volume are solid ones
+    std::string grid = {};           // of a volume file, the one of this name; empty: all
 };
 
 // What a file could not say of a scene that was saved, a sentence each.
@@ -40,6 +41,7 @@ struct Format {
     bool animated = false;  // knows LoadOptions::frame
     bool heights = false;   // knows LoadOptions::heightmap
     bool volumes = false;   // knows LoadOptions::voxels
+    bool grids = false;     // knows LoadOptions::grid
 };
 
 // One row for each format. To add one, write its load function and add its row in formats.cpp.
