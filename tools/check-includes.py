@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that includes only point to the same or an earlier room, and that a source includes its own header first.
 
-The rooms, in order, are the folders of src/; include/spinel/ counts as scene, but for scene.h, dvr.h and voxels.h: they are the plain
+The rooms, in order, are the folders of src/; include/spinel/ counts as scene, but for scene.h, dvr.h, grid.h and voxels.h: they are the plain
 data that a user wrote down, the builders of geometry read their records, and so they stand, with what they may include,
 at image.
 kernels is stricter: it is the physics in the common subset of C++ and GLSL and includes nothing but itself. Tests, benchmarks and examples may include anything.
@@ -19,7 +19,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 def room_of(root, path):
     """The room of a file below src/ or include/spinel/; None for a file that is in no room."""
     if path.is_relative_to(root / "include"):
-        return "image" if path.name in ("scene.h", "dvr.h", "voxels.h") else "scene"
+        return "image" if path.name in ("scene.h", "dvr.h", "grid.h", "voxels.h") else "scene"
     parts = path.relative_to(root / "src").parts
     return parts[0] if len(parts) > 1 and parts[0] in ROOMS else None
 

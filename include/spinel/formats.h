@@ -24,6 +24,7 @@ struct LoadOptions {
                                      // the lowest one
     bool voxels = false;             // active voxels of a volume are solid ones
     bool plain = false;              // load_scene: a model gets a camera, but neither light nor ground
+    std::string grid = {};           // of a volume file, the one of this name; empty: all
 };
 
 // When a scene file with an animation is looked at.
@@ -48,6 +49,7 @@ struct Format {
     bool animated = false;  // knows LoadOptions::frame
     bool heights = false;   // knows LoadOptions::heightmap
     bool volumes = false;   // knows LoadOptions::voxels
+    bool grids = false;     // knows LoadOptions::grid
 };
 
 // One row for each format. To add one, write its load function and add its row in formats.cpp.

@@ -18,6 +18,7 @@
 #include "image/tone_map.h"
 #include "kernels/scene_view.h"
 #include "spinel/dvr.h"
+#include "spinel/grid.h"
 #include "spinel/voxels.h"
 
 namespace spinel {
@@ -34,7 +35,7 @@ using glm::vec4;
 struct PixelBuffer;  // image/pixels.h
 
 // ------------------------------------------------------------------------------------------------- textures, materials
-enum class Filter { nearest, linear };
+enum class Filter { nearest, linear, cubic };  // cubic: volumes alone
 enum class Wrap { repeat, clamp, mirror };
 
 struct ImageTexture {
@@ -76,33 +77,53 @@ struct Material {
 };
 
 // ----------------------------------------------------------------------------------------------------------------
-// media A scalar field on a regular grid; sample (i,j,k) sits at (i+½, j+½, k+½) of index space, x fastest.
+// media
+// How samples are kept for rendering. The 16 and 8 bits lie between the least and the greatest sample of each brick of
+// 8³: wrong by at most 1/131070 or 1/510 of what these differ; half is wrong by at most 1/2048 of the value.
+enum class GridPrecision { full, half, bits16, bits8 };
+
+// A field on a regular grid, in the data's own units (Hounsfield, kelvin, densities, …).
 struct Grid {
     std::string name;
-    ivec3 size = {0, 0, 0};
-    std::vector<float> values;          // size.x·size.y·size.z, finite, ≥ 0
+    GridPointer samples;                // never null in a valid scene
     mat4x3 index_to_local = mat4x3(1);  // index space to the space of the object that holds it
     Filter filter = Filter::linear;
+    GridPrecision precision = GridPrecision::full;
+    float background = 0;   // the value outside of the box
+    std::string unit = {};  // as the file names it, for people; empty: it does not
 };
 
 // Noise that eats a density: density = grid · max(0, offset + strength·noise), see kernels/density.h.
 struct Erosion {
-    enum class Kind { none, value, fbm };  // one octave about zero (the simple bunny), or fractal sum
+    // value and fbm are the bunny's, one octave and a fractal sum, their offsets given; the others have one of their
+    // own.
+    enum class Kind { none, value, fbm, value_noise, perlin, simplex };
     Kind kind = Kind::none;
     float strength = 1;
+    float offset = 0;      // of the last three
     float frequency = 12;  // per edge of the grid's box
     int octaves = 4;
+    float gain = 0.5f;     // of the last three, of each octave's amplitude to the one's before …
+    float lacunarity = 2;  // … and of its frequency
     vec3 drift = {0, 0, 0};
+    vec3 velocity = {0, 0, 0};  // the drift grows by this in a second …
+    float time = 0;             // … of so many
 };
 
 struct Medium {
     std::string name;
-    vec3 scattering = {0, 0, 0};  // σs per unit length at density 1
-    vec3 absorption = {0, 0, 0};  // σa per unit length at density 1
-    float g = 0;                  // Henyey–Greenstein asymmetry, −1 … 1
-    vec3 emission = {0, 0, 0};    // radiance per unit length at density 1
-    int grid = -1;                // −1: homogeneous
-    Erosion erosion;
+    vec3 scattering = {0, 0, 0};   // σs per unit length at density 1
+    vec3 absorption = {0, 0, 0};   // σa per unit length at density 1
+    float g = 0;                   // Henyey–Greenstein asymmetry, −1 … 1
+    vec3 emission = {0, 0, 0};     // radiance per unit length at density 1
+    int grid = -1;                 // −1: homogeneous; else its density is that of
+    vec2 density_range = {0, 1};   // the grid's values that mean density 0 and 1; below is 0, above is more than 1
+    int albedo = -1;               // a grid of colours: σs·colour scatters, σs·(1 − colour) absorbs
+    int temperature = -1;          // a grid by which the medium glows as a black body; the emission is then that …
+    float temperature_scale = 1;   // kelvin for each unit of it
+    float temperature_offset = 0;  // kelvin
+    float temperature_reference = 1500;  // … at so many kelvin
+    Erosion erosion = {};
 };
 
 // -----------------------------------------------------------------------------------------------------------

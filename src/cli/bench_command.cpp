@@ -9,6 +9,7 @@
 
 #include "cli/bench/bench_rays.h"
 #include "cli/bench/bench_structure.h"
+#include "cli/bench/volume_bench.h"
 #include "cli/bench/world_mesh.h"
 #include "cli/commands.h"
 #include "scene/compiled_scene.h"
@@ -104,7 +105,20 @@ const VoxelGeometry* only_voxels(const Scene& scene, const CompiledScene& compil
     return voxels && voxels->level_of_detail == 0 ? voxels : nullptr;
 }
 
-void print(const Options& o, const CommonOptions& common, const std::vector<Row>& rows) {
+// The first volume of one channel that the scene shows, by a medium's density; none: no rows.
+std::vector<LookUpRow> volume_rows(const Scene& scene, const CompiledScene& compiled, int repeats) {
+    for (const Object& object : scene.objects) {
+        if (object.interior < 0) continue;
+        const int grid = scene.media[std::size_t(object.interior)].grid;
+        // Media are compiled in the order of the objects, so the first volume shown is the first grid compiled.
+        if (grid >= 0 && !compiled.grids.empty())
+            return measure_look_ups(compiled, compiled.grids[0], scene.grids[std::size_t(grid)], repeats);
+    }
+    return {};
+}
+
+void print(const Options& o, const CommonOptions& common, const std::vector<Row>& rows,
+           const std::vector<LookUpRow>& look_ups) {
     if (common.json) {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const Row& row : rows)
@@ -115,7 +129,15 @@ void print(const Options& o, const CommonOptions& common, const std::vector<Row>
                             {"build_ms", row.build_ms},
                             {"bytes", row.bytes},
                             {"differing", row.differing}});
-        fmt::print("{}\n", json_text({{"rows", list}}, 2));
+        nlohmann::ordered_json json = {{"rows", list}};
+        for (const LookUpRow& row : look_ups)
+            json["look_ups"].push_back({{"structure", row.structure},
+                                        {"places", row.places},
+                                        {"mlookups_per_s", row.mlookups_per_s},
+                                        {"bytes", row.bytes},
+                                        {"bytes_per_voxel", row.bytes_per_voxel},
+                                        {"difference", row.difference}});
+        fmt::print("{}\n", json_text(json, 2));
         return;
     }
     fmt::print("{}: one thread, median of {}, processor time\n", o.voxels.empty() ? o.input : o.voxels, o.repeats);
@@ -124,6 +146,12 @@ void print(const Options& o, const CommonOptions& common, const std::vector<Row>
     for (const Row& row : rows)
         fmt::print("{:<8} {:<20} {:<8} {:>9.3f} {:>11.2f} {:>13.0f} {:>8.4f}%\n", row.subject, row.structure, row.rays,
                    row.mrays_per_s, row.build_ms, row.bytes, 100 * row.differing);
+    if (look_ups.empty()) return;
+    fmt::print("{:<8} {:<20} {:<8} {:>9} {:>13} {:>13} {:>11}\n", "subject", "structure", "places", "M/s", "bytes",
+               "bytes/voxel", "difference");
+    for (const LookUpRow& row : look_ups)
+        fmt::print("{:<8} {:<20} {:<8} {:>9.3f} {:>13.0f} {:>13.3f} {:>11.2g}\n", "volume", row.structure, row.places,
+                   row.mlookups_per_s, row.bytes, row.bytes_per_voxel, row.difference);
 }
 
 Result<int> run(const Options& o, const CommonOptions& common) {
@@ -170,7 +198,7 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         measure("voxels", structures, "primary", rays.primary, false, o.repeats, rows);
         measure("voxels", structures, "diffuse", rays.diffuse, false, o.repeats, rows);
     }
-    print(o, common, rows);
+    print(o, common, rows, volume_rows(*scene, *compiled, o.repeats));
     return int(exit_ok);
 }
 

@@ -37,7 +37,7 @@ int natural_resolution(const Scene& scene) {
     if (scene.objects.size() != 1) return 0;
     const auto* volume = std::get_if<VolumeGeometry>(&scene.geometries[std::size_t(scene.objects[0].geometry)].data);
     if (!volume) return 0;
-    const ivec3 size = scene.grids[std::size_t(volume->grid)].size;
+    const ivec3 size = scene.grids[std::size_t(volume->grid)].samples->size();
     return std::max({size.x, size.y, size.z});
 }
 

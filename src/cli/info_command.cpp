@@ -37,10 +37,15 @@ struct Describe {
     }
     Json operator()(const VolumeGeometry& volume) const {
         const Grid& grid = scene.grids[std::size_t(volume.grid)];
-        const auto [low, high] = std::minmax_element(grid.values.begin(), grid.values.end());
-        return {{"size", {grid.size.x, grid.size.y, grid.size.z}},
-                {"minimum", number_json(*low)},
-                {"maximum", number_json(*high)}};
+        const ivec3 size = grid.samples->size();
+        Json json = {{"size", {size.x, size.y, size.z}}};
+        if (grid.samples->channels() > 1) json["channels"] = grid.samples->channels();
+        json["minimum"] = number_json(grid.samples->minimum());
+        json["maximum"] = number_json(grid.samples->maximum());
+        if (!grid.unit.empty()) json["unit"] = grid.unit;
+        // Bricks of 8³ that are stored, of those in the box.
+        json["bricks"] = {grid.samples->stored_count(), grid.samples->table().size()};
+        return json;
     }
     Json operator()(const SdfGeometry& sdf) const { return {{"operations", count(sdf.root)}}; }
     Json operator()(const SdfVoxelGeometry& voxels) const {

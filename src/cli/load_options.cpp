@@ -14,6 +14,7 @@ void add_load_options(CLI::App& app, LoadOptions& options) {
                    "picture or .hgt as terrain: so many voxels from black to white, or from the lowest to the highest")
         ->check(finite_number())
         ->check(CLI::Range(1.0, 65536.0));
+    app.add_option("--grid", options.grid, "of a file of volumes, the one of this name (default: all)");
 }
 
 Result<Scene> load_bare(const std::string& file, const LoadOptions& options) {

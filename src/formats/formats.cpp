@@ -6,9 +6,15 @@
 #include "formats/colored_voxels.h"
 #include "formats/file_bytes.h"
 #include "formats/heightmap.h"
+#include "formats/image_stack.h"
 #include "formats/mesh_assimp.h"
 #include "formats/mesh_writer.h"
+#include "formats/mitsuba_volume.h"
 #include "formats/mts.h"
+#include "formats/named_raw.h"
+#include "formats/nifti.h"
+#include "formats/nrrd.h"
+#include "formats/nvdb.h"
 #include "formats/raw_volume.h"
 #include "formats/schematic.h"
 #include "formats/vdb.h"
@@ -85,13 +91,39 @@ std::span<const Format> formats() {
         {"off", {".off"}, "object file format of polygons", load_mesh, nullptr},
         {"vdb",
          {".vdb"},
-         "OpenVDB: sparse voxels, the value is the palette index",
+         "OpenVDB: volumes of floats and vectors; sparse voxels, the value is the palette index",
          load_vdb,
          save_vdb,
          Representation::voxels,
          false,
          false,
+         true,
          true},
+        {"nifti",
+         {".nii", ".nii.gz"},
+         "NIfTI-1 and 2: scans, in their own units, oriented as the file says",
+         load_nifti,
+         nullptr,
+         Representation::any,
+         true},
+        {"nvdb",
+         {".nvdb"},
+         "NanoVDB: volumes of floats, quantised floats and vectors",
+         load_nvdb,
+         nullptr,
+         Representation::any,
+         false,
+         false,
+         false,
+         true},
+        {"nrrd", {".nrrd", ".nhdr"}, "NRRD: scans, in their own units, raw or by gzip", load_nrrd, nullptr},
+        {"metaimage", {".mha"}, "MetaImage: scans, in their own units", load_metaimage, nullptr},
+        {"mitsuba", {".vol"}, "Mitsuba's volumes of floats, one or three channels", load_mitsuba_volume, nullptr},
+        {"raw",
+         {".raw", ".raw.gz"},
+         "samples alone, size and type in the name: engine_256x256x128_uint8.raw",
+         load_named_raw,
+         nullptr},
         {"svol", {".svol"}, "dense volume: a text header and raw samples", load_svol, save_svol},
         {"bits", {".bits"}, "32x32x32 bit volume", load_bits, nullptr},
     };
@@ -113,6 +145,7 @@ const Format* format_of(const std::filesystem::path& path) {
 }
 
 Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& options) {
+    if (is_image_stack(path)) return load_image_stack(path);
     if (const Format* format = format_of(path)) {
         if (options.frame && !format->animated)
             return cannot_read(path,
@@ -122,6 +155,9 @@ Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& o
         if (options.voxels && !format->volumes)
             return cannot_read(path, "files of the format " + std::string(format->name) +
                                          " need no --voxels: `spinel convert` makes voxels of meshes and volumes");
+        if (!options.grid.empty() && !format->grids)
+            return cannot_read(path,
+                               "files of the format " + std::string(format->name) + " have no grids to choose from");
         return format->load(path, options);
     }
     return cannot_read(path, "unknown extension '" + extension_of(path) +

@@ -43,16 +43,8 @@ bool unpack_lz4_block(std::string_view block, std::size_t size, std::string& out
     return reader.ok() && out.size() - start == size;
 }
 
-}  // namespace
-
-bool looks_deflated(std::string_view bytes) {
-    if (bytes.size() < 2) return false;
-    if (bytes.starts_with(GZIP_MAGIC)) return true;
-    const unsigned head = unsigned(std::uint8_t(bytes[0])) << 8 | std::uint8_t(bytes[1]);
-    return (head & 0x0f00) == 0x0800 && (head >> 12) <= 7 && head % 31 == 0;  // RFC 1950
-}
-
-Result<std::string> inflated(std::string_view packed, std::size_t max_bytes) {
+// Up to `max_bytes`; more of them are an error, or cut off.
+Result<std::string> inflate_up_to(std::string_view packed, std::size_t max_bytes, bool cut) {
     z_stream stream{};
     if (inflateInit2(&stream, 15 + 32) != Z_OK) return Error{"zlib cannot start"};  // 32: gzip or zlib, by its head
     struct End {
@@ -72,8 +64,9 @@ Result<std::string> inflated(std::string_view packed, std::size_t max_bytes) {
         const int status = inflate(&stream, Z_NO_FLUSH);
         used += piece - stream.avail_in;
         const std::size_t made = block.size() - stream.avail_out;
-        if (out.size() + made > max_bytes) return too_long(max_bytes);
-        out.append(block.data(), made);
+        if (out.size() + made > max_bytes && !cut) return too_long(max_bytes);
+        out.append(block.data(), std::min(made, max_bytes - out.size()));
+        if (cut && out.size() == max_bytes) return out;
         if (status == Z_STREAM_END) {
             if (!packed.substr(used).starts_with(GZIP_MAGIC)) return out;
             if (inflateReset(&stream) != Z_OK) return Error{"zlib cannot start"};
@@ -81,6 +74,23 @@ Result<std::string> inflated(std::string_view packed, std::size_t max_bytes) {
             return Error{status == Z_BUF_ERROR ? "its compressed data ends early" : "its compressed data is damaged"};
         }
     }
+}
+
+}  // namespace
+
+bool looks_deflated(std::string_view bytes) {
+    if (bytes.size() < 2) return false;
+    if (bytes.starts_with(GZIP_MAGIC)) return true;
+    const unsigned head = unsigned(std::uint8_t(bytes[0])) << 8 | std::uint8_t(bytes[1]);
+    return (head & 0x0f00) == 0x0800 && (head >> 12) <= 7 && head % 31 == 0;  // RFC 1950
+}
+
+Result<std::string> inflated(std::string_view packed, std::size_t max_bytes) {
+    return inflate_up_to(packed, max_bytes, false);
+}
+
+Result<std::string> inflated_start(std::string_view packed, std::size_t bytes) {
+    return inflate_up_to(packed, bytes, true);
 }
 
 Result<std::string> lz4_unpacked(std::string_view packed, std::size_t max_bytes) {

@@ -13,6 +13,7 @@
 #include "formats/byte_reader.h"
 #include "formats/file_bytes.h"
 #include "formats/left_out.h"
+#include "formats/volume_scene.h"
 
 namespace spinel {
 namespace {
@@ -28,29 +29,6 @@ struct Header {
     vec3 origin = {0, 0, 0};
     Filter filter = Filter::linear;
 };
-
-Scene volume_scene(const std::string& name, Grid grid) {
-    const vec3 edges =
-        vec3(grid.size) * vec3(grid.index_to_local[0].x, grid.index_to_local[1].y, grid.index_to_local[2].z);
-    const float longest = std::max({edges.x, edges.y, edges.z});
-    Medium medium;
-    medium.name = name;
-    medium.scattering = vec3(10.0f / longest);
-    medium.absorption = vec3(0.1f / longest);
-    medium.grid = 0;
-    Object object;
-    object.name = name;
-    object.geometry = 0;
-    object.materials = {-1};
-    object.interior = 0;
-    grid.name = name;
-    Scene scene;
-    scene.grids.push_back(std::move(grid));
-    scene.media.push_back(std::move(medium));
-    scene.geometries.push_back({name, VolumeGeometry{0}});
-    scene.objects.push_back(std::move(object));
-    return scene;
-}
 
 mat4x3 axis_aligned(vec3 spacing, vec3 origin) {
     return {vec3(spacing.x, 0, 0), vec3(0, spacing.y, 0), vec3(0, 0, spacing.z), origin};
@@ -165,20 +143,23 @@ Result<Scene> load_bits(const std::filesystem::path& path, const LoadOptions&) {
     if (!bytes) return bytes.error();
     if (bytes->size() != edge * edge * 4)
         return cannot_read(path, "a bit volume has 4096 bytes, this file has " + std::to_string(bytes->size()));
+    std::vector<float> values(edge * edge * edge);
     Grid grid;
-    grid.size = {edge, edge, edge};
-    grid.values.resize(edge * edge * edge);
+    grid.name = stem(path);
     grid.index_to_local = axis_aligned(vec3(1.0f / edge), vec3(0.0f));
     ByteReader reader(*bytes);
     for (int z = 0; z < edge; ++z) {
         for (int x = 0; x < edge; ++x) {
             const std::uint32_t column = reader.u32();
             for (int y = 0; y < edge; ++y)
-                grid.values[std::size_t(x) + edge * (std::size_t(y) + edge * std::size_t(z))] =
+                values[std::size_t(x) + edge * (std::size_t(y) + edge * std::size_t(z))] =
                     (column >> y) & 1u ? 1.0f : 0.0f;
         }
     }
-    return volume_scene(stem(path), std::move(grid));
+    Result<GridPointer> samples = build_grid({edge, edge, edge}, values);
+    if (!samples) return cannot_read(path, "it " + samples.error().message);
+    grid.samples = *samples;
+    return volume_scene({std::move(grid)});
 }
 
 Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions&) {
@@ -203,18 +184,17 @@ Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions&) {
     std::string bytes(std::size_t(wanted), '\0');
     if (!file.read(bytes.data(), std::streamsize(wanted))) return cannot_read(path, "the file ended early");
 
+    const std::vector<float> values = header->type == "u8"    ? normalised<std::uint8_t>(bytes, std::size_t(count))
+                                      : header->type == "u16" ? normalised<std::uint16_t>(bytes, std::size_t(count))
+                                                              : normalised<float>(bytes, std::size_t(count));
     Grid grid;
-    grid.size = header->size;
+    grid.name = stem(path);
     grid.filter = header->filter;
     grid.index_to_local = axis_aligned(header->spacing, header->origin);
-    grid.values = header->type == "u8"    ? normalised<std::uint8_t>(bytes, std::size_t(count))
-                  : header->type == "u16" ? normalised<std::uint16_t>(bytes, std::size_t(count))
-                                          : normalised<float>(bytes, std::size_t(count));
-    for (std::size_t i = 0; i < grid.values.size(); ++i) {
-        if (!(grid.values[i] >= 0.0f && std::isfinite(grid.values[i])))
-            return cannot_read(path, "sample " + std::to_string(i) + " is negative or not finite");
-    }
-    return volume_scene(stem(path), std::move(grid));
+    Result<GridPointer> samples = build_grid(header->size, values);
+    if (!samples) return cannot_read(path, "it " + samples.error().message);
+    grid.samples = *samples;
+    return volume_scene({std::move(grid)});
 }
 
 Result<Notes> save_svol(const Scene& scene, const std::filesystem::path& path) {
@@ -226,16 +206,20 @@ Result<Notes> save_svol(const Scene& scene, const std::filesystem::path& path) {
     const Grid& grid = scene.grids[0];
     const vec3 spacing(grid.index_to_local[0].x, grid.index_to_local[1].y, grid.index_to_local[2].z);
     const vec3 origin = grid.index_to_local[3];
+    if (grid.samples->channels() != 1) return cannot_write("the grid holds vectors, the file holds numbers");
+    if (grid.filter == Filter::cubic)
+        return cannot_write("the grid's look-up is cubic, the file knows linear and nearest");
     if (grid.index_to_local != axis_aligned(spacing, origin) || !usable(spacing, true) || !usable(origin, false))
         return cannot_write("the grid is not aligned with its axes");
     std::ostringstream header;
     header.precision(9);  // enough for every float
-    header << "spinel volume 1\nsize " << grid.size.x << ' ' << grid.size.y << ' ' << grid.size.z
-           << "\ntype f32\nspacing " << spacing.x << ' ' << spacing.y << ' ' << spacing.z << "\norigin " << origin.x
-           << ' ' << origin.y << ' ' << origin.z << "\nfilter "
-           << (grid.filter == Filter::linear ? "linear" : "nearest") << "\n\n";
+    const ivec3 size = grid.samples->size();
+    header << "spinel volume 1\nsize " << size.x << ' ' << size.y << ' ' << size.z << "\ntype f32\nspacing "
+           << spacing.x << ' ' << spacing.y << ' ' << spacing.z << "\norigin " << origin.x << ' ' << origin.y << ' '
+           << origin.z << "\nfilter " << (grid.filter == Filter::linear ? "linear" : "nearest") << "\n\n";
     std::string bytes = header.str();
-    bytes.append(reinterpret_cast<const char*>(grid.values.data()), grid.values.size() * sizeof(float));
+    const std::vector<float> values = grid.samples->dense();
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
     if (Result<void> written = write_file_atomically(path, bytes); !written) return written.error();
     LeftOut left_out;
     left_out.add_light_and_cameras(scene);

@@ -7,14 +7,13 @@
 // .svol: lines of text, an empty line, then the samples, little-endian, x fastest, then y, then z:
 //     spinel volume 1
 //     size 64 64 32
-//     type u8                (u8 and u16: 0 … their greatest value means 0 … 1; f32: as it is, finite, ≥ 0)
+//     type u8                (u8 and u16: 0 … their greatest value means 0 … 1; f32: as it is, finite)
 //     spacing 0.5 0.5 1      (between samples; optional, 1 1 1)
 //     origin 0 0 0           (the corner of the box that the samples fill; optional, 0 0 0)
 //     filter linear          (or nearest; optional)
 // Sample (i,j,k) sits at origin + spacing·(i+½, j+½, k+½).
 //
-// The fragment is one grid, its box as a volume geometry, a bright medium whose optical depth along the
-// longest edge is about 10 at density 1, and one object of them.
+// The fragment is that of volume_scene.h.
 
 #include <filesystem>
 

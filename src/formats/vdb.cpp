@@ -1,4 +1,4 @@
-// The only file that includes OpenVDB: its headers are slow to compile.
+// With vdb_volume.cpp the only file that includes OpenVDB: its headers are slow to compile.
 #include "formats/vdb.h"
 
 #include <fmt/format.h>
@@ -16,6 +16,7 @@
 #include "formats/file_bytes.h"
 #include "formats/left_out.h"
 #include "formats/vdb_layout.h"
+#include "formats/vdb_volume.h"
 #include "image/palette.h"
 #include "kernels/materials.h"
 #include "scene/json_reader.h"
@@ -96,11 +97,14 @@ std::vector<Material> plain_materials(std::size_t count) {
 
 class Reader {
   public:
-    Reader(const std::filesystem::path& path, bool floats) : path_(path), floats_(floats) {}
+    Reader(const std::filesystem::path& path, const LoadOptions& options) : path_(path), options_(options) {}
 
     Result<Scene> read() {
         const Result<std::vector<VdbGridEntry>> listed = read_vdb_layout(path_);
         if (!listed) return listed.error();
+        const bool volumes = std::any_of(listed->begin(), listed->end(),
+                                         [](const VdbGridEntry& grid) { return is_volume(plain_type(grid.type)); });
+        if (volumes && !options_.voxels) return read_vdb_volumes(path_, options_);
         for (const VdbGridEntry& grid : *listed)
             if (Result<void> usable = check(grid.name, grid.type); !usable) return usable.error();
         openvdb::initialize();
@@ -122,16 +126,24 @@ class Reader {
     }
     Error refused(const openvdb::GridBase& grid, const std::string& why) const { return refused(grid.getName(), why); }
 
-    Result<void> check(const std::string& name, std::string type) const {
+    static std::string plain_type(std::string type) {
         constexpr std::string_view half = "_HalfFloat";  // stored so, read as floats
         if (type.ends_with(half)) type.resize(type.size() - half.size());
-        const bool is_float = type == openvdb::FloatGrid::gridType() || type == openvdb::DoubleGrid::gridType();
+        return type;
+    }
+    static bool is_scalar(const std::string& type) {
+        return type == openvdb::FloatGrid::gridType() || type == openvdb::DoubleGrid::gridType();
+    }
+    static bool is_volume(const std::string& type) {
+        return is_scalar(type) || type == openvdb::Vec3SGrid::gridType() || type == openvdb::Vec3DGrid::gridType();
+    }
+
+    Result<void> check(const std::string& name, const std::string& stored) const {
+        const std::string type = plain_type(stored);
+        const bool is_float = is_scalar(type);
         const bool is_whole = type == openvdb::BoolGrid::gridType() || type == openvdb::MaskGrid::gridType() ||
                               type == openvdb::Int32Grid::gridType() || type == openvdb::Int64Grid::gridType();
-        if (is_float && !floats_)
-            return refused(
-                name,
-                "holds floats, a volume: `render` and `trace` read its active voxels as solid ones by --voxels FILE");
+        if (type.find("ptdata") != type.npos) return refused(name, "holds points, which are not read");
         if (!is_whole && !is_float)
             return refused(name,
                            fmt::format("is of type {}; grids of integers, bits or floats can be read as voxels", type));
@@ -217,7 +229,7 @@ class Reader {
     }
 
     const std::filesystem::path& path_;
-    bool floats_;
+    const LoadOptions& options_;
     Scene scene_;
 };
 
@@ -225,7 +237,7 @@ class Reader {
 
 Result<Scene> load_vdb(const std::filesystem::path& path, const LoadOptions& options) {
     try {
-        return Reader(path, options.voxels).read();
+        return Reader(path, options).read();
     } catch (const std::bad_alloc&) {
         return cannot_read(path, "it holds more than fits into memory, or is damaged");
     } catch (const std::ios_base::failure&) {

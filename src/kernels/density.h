@@ -1,74 +1,54 @@
 #ifndef SPINEL_KERNELS_DENSITY_H
 #define SPINEL_KERNELS_DENSITY_H
-// Density of a heterogeneous medium: a regular grid, optionally eaten by noise as in the volumetric Stanford bunny.
+// What a heterogeneous medium is at a point: its density, by a grid that noise may eat as in the volumetric Stanford
+// bunny; the colour that it scatters; what it glows.
+#include "grids.h"
 #include "noise.h"
-#include "scene_view.h"
 KERNELS_BEGIN
 
-const uint EROSION_NONE = 0u;
-const uint EROSION_VALUE = 1u;  // max(0, ½ + ½·strength·N(frequency·p)), N value noise in [−1, 1]
-const uint EROSION_FBM = 2u;    // max(0, 5·strength·F(frequency·p) − 2), F fractal noise mapped to [0, 1]
-
-FN float grid_sample(const_in(SceneView) scene, const_in(DensityGrid) grid, ivec3 i) {
-    if (i.x < 0 || i.y < 0 || i.z < 0 || i.x >= grid.size.x || i.y >= grid.size.y || i.z >= grid.size.z) return 0.0f;
-    return scene.floats
-        .at[grid.value_first + uint(i.x) + uint(grid.size.x) * (uint(i.y) + uint(grid.size.y) * uint(i.z))];
-}
-
-// p in index space: sample i sits at i + ½, outside there is nothing.
-FN float grid_density(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p) {
-    if (p.x < 0.0f || p.y < 0.0f || p.z < 0.0f || p.x >= float(grid.size.x) || p.y >= float(grid.size.y) ||
-        p.z >= float(grid.size.z))
-        return 0.0f;
-    if (grid.filter_kind == FILTER_NEAREST) return grid_sample(scene, grid, ivec3(floor(p)));
-    // Clamped at the faces of the box, so that a full grid is a full box.
-    vec3 q = p - 0.5f;
-    vec3 base = floor(q);
-    vec3 f = q - base;
-    ivec3 last = grid.size - ivec3(1);
-    ivec3 lo = clamp(ivec3(base), ivec3(0), last);
-    ivec3 hi = clamp(ivec3(base) + ivec3(1), ivec3(0), last);
-    uint row = uint(grid.size.x);
-    uint layer = row * uint(grid.size.y);
-    uint y0 = grid.value_first + row * uint(lo.y);
-    uint y1 = grid.value_first + row * uint(hi.y);
-    uint z0 = layer * uint(lo.z);
-    uint z1 = layer * uint(hi.z);
-    uint x0 = uint(lo.x);
-    uint x1 = uint(hi.x);
-    float c00 = mix(scene.floats.at[x0 + y0 + z0], scene.floats.at[x1 + y0 + z0], f.x);
-    float c10 = mix(scene.floats.at[x0 + y1 + z0], scene.floats.at[x1 + y1 + z0], f.x);
-    float c01 = mix(scene.floats.at[x0 + y0 + z1], scene.floats.at[x1 + y0 + z1], f.x);
-    float c11 = mix(scene.floats.at[x0 + y1 + z1], scene.floats.at[x1 + y1 + z1], f.x);
-    return mix(mix(c00, c10, f.y), mix(c01, c11, f.y), f.z);
-}
-
-// The factor that erosion leaves, in [0, erosion_bound]; p in the grid's [0,1]³ box.
+// The factor that erosion leaves, at least 0; p in the grid's [0,1]³ box.
 FN float erosion_factor(const_in(Medium) m, vec3 p) {
-    if (m.erosion == EROSION_VALUE)
-        return max(0.0f, 0.5f + 0.5f * m.erosion_strength * value_noise(p * m.erosion_frequency + m.erosion_drift));
-    if (m.erosion == EROSION_FBM) {
-        float f = 0.5f + 0.5f * fbm_noise(p * m.erosion_frequency + m.erosion_drift, m.erosion_octaves);
-        return max(0.0f, 5.0f * m.erosion_strength * f - 2.0f);
-    }
-    return 1.0f;
+    if (m.noise == NOISE_NONE) return 1.0f;
+    float n = fractal_noise(m.noise, p * m.noise_frequency + m.noise_drift, m.noise_octaves, m.noise_gain,
+                            m.noise_lacunarity);
+    return max(0.0f, m.noise_offset + m.noise_scale * n);
 }
 
-// Sound: value_noise and fbm_noise lie in [−1, 1].
-FN float erosion_bound(uint kind, float strength) {
-    if (kind == EROSION_VALUE) return 0.5f + 0.5f * abs(strength);
-    if (kind == EROSION_FBM) return max(0.0f, 5.0f * strength - 2.0f);
-    return 1.0f;
+// Density that a value of the medium's grid means, before erosion; rises with the value, so it carries bounds over.
+FN float scaled_density(const_in(Medium) m, float value) {
+    return max(0.0f, m.density_scale * value + m.density_offset);
 }
 
-// Density at a world position, ≥ 0.
+// Density at a world position, ≥ 0; 0 outside of the grid.
 FN float medium_density(const_in(SceneView) scene, const_in(Medium) m, vec3 p) {
     if (m.grid == NONE) return 1.0f;
     RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     vec3 index = m.world_to_grid * vec4(p, 1.0f);
-    float d = grid_density(scene, grid, index);
-    if (d > 0.0f && m.erosion != EROSION_NONE) d *= erosion_factor(m, index / vec3(grid.size));
+    if (!grid_contains(grid, index)) return 0.0f;
+    float d = scaled_density(m, grid_density(scene, grid, index));
+    if (d > 0.0f && m.noise != NOISE_NONE) d *= erosion_factor(m, index / vec3(grid.size));
     return d;
+}
+
+// σs at density 1: the part of σs that the colour at p leaves; the rest absorbs, so the extinction is that of the
+// medium.
+FN vec3 medium_scattering(const_in(SceneView) scene, const_in(Medium) m, vec3 p) {
+    if (m.albedo_grid == NONE) return m.scattering;
+    vec3 color = grid_vector(scene, scene.grids.at[m.albedo_grid], m.world_to_albedo * vec4(p, 1.0f));
+    return m.scattering * clamp(color, vec3(0.0f), vec3(1.0f));
+}
+
+// Emission at density 1.
+FN vec3 medium_emission(const_in(SceneView) scene, const_in(Medium) m, vec3 p) {
+    if (m.temperature_grid == NONE) return m.emission;
+    float value = grid_density(scene, scene.grids.at[m.temperature_grid], m.world_to_temperature * vec4(p, 1.0f));
+    float entry = clamp(m.temperature_scale * value + m.temperature_offset, 0.0f, float(TEMPERATURE_ENTRIES - 1u));
+    uint i = min(uint(entry), TEMPERATURE_ENTRIES - 2u);
+    float f = entry - float(i);
+    uint first = m.temperature_first + 3u * i;
+    vec3 a = vec3(scene.floats.at[first], scene.floats.at[first + 1u], scene.floats.at[first + 2u]);
+    vec3 b = vec3(scene.floats.at[first + 3u], scene.floats.at[first + 4u], scene.floats.at[first + 5u]);
+    return m.emission * mix(a, b, f);
 }
 
 KERNELS_END

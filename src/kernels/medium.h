@@ -39,11 +39,9 @@ struct MajorantWalk {
     bool before_grid;  // still in the empty space in front of it
 };
 
-FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid,
-                      inout(MajorantWalk) w) {
-    uint index =
-        uint(w.cell.x) + uint(grid.majorant_size.x) * (uint(w.cell.y) + uint(grid.majorant_size.y) * uint(w.cell.z));
-    w.majorant = scene.floats.at[grid.majorant_first + index] * m.density_bound;
+FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, inout(MajorantWalk) w) {
+    uint index = uint(w.cell.x) + uint(m.majorant_size.x) * (uint(w.cell.y) + uint(m.majorant_size.y) * uint(w.cell.z));
+    w.majorant = scene.floats.at[m.majorant_first + index];
     w.t_next = min(min(w.t_cross.x, min(w.t_cross.y, w.t_cross.z)), w.t_leave);
 }
 
@@ -73,10 +71,10 @@ FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, ve
         return w;
     }
     w.t_leave = t1;
-    float edge = float(grid.majorant_cell);
+    float edge = m.majorant_cell;
     vec3 p = o + t0 * d;
     for (int a = 0; a < 3; ++a) {
-        w.cell[a] = clamp(int(floor(p[a] / edge)), 0, grid.majorant_size[a] - 1);
+        w.cell[a] = clamp(int(floor(p[a] / edge)), 0, m.majorant_size[a] - 1);
         if (d[a] > 0.0f) {
             w.step[a] = 1;
             w.t_cross[a] = (float(w.cell[a] + 1) * edge - o[a]) / d[a];
@@ -97,7 +95,7 @@ FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, ve
         w.before_grid = true;
         return w;
     }
-    majorant_load(scene, m, grid, w);
+    majorant_load(scene, m, w);
     return w;
 }
 
@@ -108,7 +106,6 @@ FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_
         w.t_leave = -1.0f;
         return;
     }
-    RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     if (w.before_grid) {
         w.before_grid = false;
     } else if (w.t_cross.x <= w.t_cross.y && w.t_cross.x <= w.t_cross.z) {
@@ -121,14 +118,14 @@ FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_
         w.cell.z += w.step.z;
         w.t_cross.z += w.t_delta.z;
     }
-    if (w.cell.x < 0 || w.cell.y < 0 || w.cell.z < 0 || w.cell.x >= grid.majorant_size.x ||
-        w.cell.y >= grid.majorant_size.y || w.cell.z >= grid.majorant_size.z) {
+    if (w.cell.x < 0 || w.cell.y < 0 || w.cell.z < 0 || w.cell.x >= m.majorant_size.x ||
+        w.cell.y >= m.majorant_size.y || w.cell.z >= m.majorant_size.z) {
         w.majorant = 0.0f;
         w.t_next = t_max;
         w.t_leave = -1.0f;
         return;
     }
-    majorant_load(scene, m, grid, w);
+    majorant_load(scene, m, w);
 }
 
 // All active media side by side: from t to t_next their extinction is bounded by `majorant`.
@@ -180,9 +177,11 @@ FN MediumPoint media_at(const_in(SceneView) scene, const_in(ActiveMedia) media, 
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
         float density = medium_density(scene, m, p);
-        point.scattering += density * m.scattering;
-        point.absorption += density * m.absorption;
-        point.emission += density * m.emission;
+        if (density == 0.0f) continue;
+        vec3 scattering = medium_scattering(scene, m, p);
+        point.scattering += density * scattering;
+        point.absorption += density * (m.absorption + (m.scattering - scattering));
+        point.emission += density * medium_emission(scene, m, p);
     }
     return point;
 }
@@ -200,15 +199,16 @@ FN MediumPick pick_scattering_medium(const_in(SceneView) scene, const_in(ActiveM
     float total = 0.0f;
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
-        total += medium_density(scene, m, p) * average(m.scattering);
+        total += medium_density(scene, m, p) * average(medium_scattering(scene, m, p));
     }
     float remaining = u * total;
     MediumPick pick = MediumPick(media.ids[0], vec3(0.0f));
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
         float density = medium_density(scene, m, p);
-        float share = density * average(m.scattering);
-        if (share > 0.0f) pick = MediumPick(media.ids[i], density * m.scattering * (total / share));
+        vec3 here = medium_scattering(scene, m, p);
+        float share = density * average(here);
+        if (share > 0.0f) pick = MediumPick(media.ids[i], density * here * (total / share));
         remaining -= share;
         if (remaining < 0.0f) break;
     }

@@ -31,6 +31,9 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/packing.hpp>
+#ifdef __F16C__
+#include <immintrin.h>
+#endif
 
 #define FN inline
 #define FN_ANEW inline __attribute__((always_inline))
@@ -79,6 +82,14 @@ inline glm::uvec2 reverse_bits32(glm::uvec2 v) {
 }
 inline uint float_bits(float x) { return std::bit_cast<uint>(x); }
 inline float bits_float(uint x) { return std::bit_cast<float>(x); }
+// Of IEEE's 16 bits.
+inline float half_float(uint x) {
+#ifdef __F16C__
+    return _cvtsh_ss(static_cast<unsigned short>(x));
+#else
+    return glm::unpackHalf1x16(static_cast<std::uint16_t>(x));
+#endif
+}
 }  // namespace spinel::kernels
 
 #else  // GLSL
@@ -118,6 +129,7 @@ FN uint reverse_bits32(uint x) { return bitfieldReverse(x); }
 FN uvec2 reverse_bits32(uvec2 v) { return bitfieldReverse(v); }
 FN uint float_bits(float x) { return floatBitsToUint(x); }
 FN float bits_float(uint x) { return uintBitsToFloat(x); }
+FN float half_float(uint x) { return unpackHalf2x16(x).x; }
 
 #endif
 #endif

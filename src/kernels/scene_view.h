@@ -252,26 +252,59 @@ struct Medium {
     vec3 emission;    // radiance per unit length at density 1: the source term, not multiplied by σa
     uint flags;
     mat4x3 world_to_grid;  // to the grid's index space, where sample i sits at i + ½
-    uint erosion;          // noise that eats the density, 0: none (density.h)
-    float erosion_strength;
-    float erosion_frequency;  // per unit of the grid's [0,1]³ box
-    uint erosion_octaves;
-    vec3 erosion_drift;   // added to the noise coordinate
-    float density_bound;  // the erosion's factor never exceeds this
-    float emission_rate;  // collisions per unit length at density 1, at least, by which emission is found
+    float density_scale;   // density = max(0, density_scale · the grid's value + density_offset), then eroded
+    float density_offset;
+    uint noise;  // NOISE_… that eats the density: times max(0, noise_offset + noise_scale · noise in [−1, 1])
+    float noise_offset;  // (density.h)
+    float noise_scale;
+    float noise_frequency;  // per unit of the grid's [0,1]³ box
+    uint noise_octaves;
+    float noise_gain;        // of an octave's amplitude to the one's before
+    float noise_lacunarity;  // the same of its frequency
+    vec3 noise_drift;        // added to the noise coordinate
+    ivec3 majorant_size;     // coarse cells of the density, over the grid's box
+    uint majorant_first;     // into SceneView::floats: for each cell the greatest density in it …
+    uint minorant_first;     // … and the smallest
+    float majorant_cell;     // edge of a cell, in samples
+    float emission_rate;     // collisions per unit length at density 1, at least, by which emission is found
+    uint albedo_grid;  // colours that split the extinction: σs·colour scatters, σs·(1 − colour) absorbs; NONE
+    mat4x3 world_to_albedo;
+    uint temperature_grid;  // NONE; else the emission is times that of a black body at this temperature …
+    mat4x3 world_to_temperature;
+    float temperature_scale;  // … entry scale · the grid's value + offset of the table of colours …
+    float temperature_offset;
+    uint temperature_first;  // … in SceneView::floats, rgb, of TEMPERATURE_ENTRIES
 };
 BUFFER(Media, Medium)
 
+const uint NOISE_NONE = 0u;
+const uint NOISE_VALUE = 1u;
+const uint NOISE_PERLIN = 2u;
+const uint NOISE_SIMPLEX = 3u;
+
+const uint TEMPERATURE_ENTRIES = 1024u;
+
 const uint FILTER_NEAREST = 0u;
 const uint FILTER_TRILINEAR = 1u;
+const uint FILTER_TRICUBIC = 2u;  // B-spline: smooth, never beyond the samples around; volumes alone
 
+const uint GRID_FLOAT = 0u;
+const uint GRID_HALF = 1u;
+const uint GRID_BITS16 = 2u;  // between the least and the greatest sample of the brick
+const uint GRID_BITS8 = 3u;
+
+// Samples as bricks of 8³, equal ones of a single value shared (grids.h).
 struct DensityGrid {
     ivec3 size;
-    uint value_first;     // into SceneView::floats, x fastest
-    ivec3 majorant_size;  // coarse cells
-    uint majorant_first;  // into SceneView::floats: for each coarse cell the greatest density a look-up inside it can
-                          // give
+    ivec3 brick_counts;
+    uint table_first;     // into SceneView::words: of each brick, x fastest, the first word
+    uint storage;         // GRID_…
+    uint channel_words;   // from one channel of a brick to the next
     uint filter_kind;     // FILTER_…
+    float background;     // the value outside of the box
+    ivec3 majorant_size;  // coarse cells
+    uint majorant_first;  // into SceneView::floats: for each coarse cell the greatest value a look-up in it can give …
+    uint minorant_first;  // … and the smallest
     int majorant_cell;    // edge of a coarse cell, in samples
 };
 BUFFER(DensityGrids, DensityGrid)

@@ -19,6 +19,7 @@ struct Compilation {
         {};                                   // of triangles, for meshes whose structure is no BVH; made when asked
     std::vector<kernels::uint> grid_of = {};  // Scene::grids → DensityGrids, NONE until used
     float emission_rate = 0;  // for emissive media, per unit length: some collisions on the way through the scene
+    std::map<int, kernels::Medium> majorants = {};    // of Scene::media: where their bounds stand
     std::map<std::string, kernels::uint> media = {};  // records by their bytes, so that equals share one
     std::map<std::string, kernels::uint> interiors = {};
 
@@ -37,7 +38,7 @@ struct Compilation {
 };
 
 // What the pools that several things share hold, for messages.
-constexpr const char* WORDS = "words of voxels, textures and tables";
+constexpr const char* WORDS = "words of voxels, volumes, textures and tables";
 constexpr const char* NUMBERS = "numbers of volumes and environment";
 
 // compile_textures.cpp

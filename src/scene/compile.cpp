@@ -196,7 +196,7 @@ struct ShapeBuilder {
     // The box of a grid; what is in it comes from the object's interior medium.
     Result<Shape> operator()(const VolumeGeometry& volume) const {
         const Grid& grid = c.scene.grids[std::size_t(volume.grid)];
-        const vec3 half = 0.5f * vec3(grid.size);
+        const vec3 half = 0.5f * vec3(grid.samples->size());
         mat4x3 box = scaling(half);
         box[3] = half;
         return unit_shape(kernels::GEOMETRY_BOX, affine_product(grid.index_to_local, box));
@@ -252,7 +252,11 @@ Result<uint> slot_interior(Compilation& c, const Object& object, const Shape& sh
         beer.absorption = absorption;
         beer.grid = NONE;
         beer.world_to_grid = mat4x3(1);
-        beer.density_bound = 1;
+        beer.density_scale = 1;
+        beer.albedo_grid = NONE;
+        beer.world_to_albedo = mat4x3(1);
+        beer.temperature_grid = NONE;
+        beer.world_to_temperature = mat4x3(1);
         beer.flags = kernels::MEDIUM_ABSORBS_ONLY;
         interior.medium = add_medium(c, beer);
     }

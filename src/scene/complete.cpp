@@ -60,7 +60,7 @@ struct OutlineOf {
     void operator()(const VolumeGeometry& volume) const {
         const Grid& grid = scene.grids[std::size_t(volume.grid)];
         const glm::mat4 to_world = glm::mat4(m) * glm::mat4(grid.index_to_local);
-        add_corners(points, mat4x3(to_world), vec3(0), vec3(grid.size));
+        add_corners(points, mat4x3(to_world), vec3(0), vec3(grid.samples->size()));
     }
     void operator()(const SdfGeometry& sdf) const {
         // An expression that cannot be built is compile()'s to report.

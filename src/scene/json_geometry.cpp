@@ -222,15 +222,22 @@ Grid read_grid(JsonContext& context, const JsonValue& value, const std::string& 
     grid.name = name;
     const JsonValue* size = needed(context, value, "size", what, " with \"values\" (or \"file\")");
     const JsonValue* values = needed(context, value, "values", what, "");
-    if (size) grid.size = context.json.size(*size, of("size", what)).value_or(ivec3(0));
+    const ivec3 edges = size ? context.json.size(*size, of("size", what)).value_or(ivec3(0)) : ivec3(0);
     if (const JsonValue* transform = value.find("transform"))
         grid.index_to_local = read_transform(context, *transform, what);
     if (!values) return grid;
     const std::string where = of("values", what);
+    std::vector<float> read;
     context.json.elements(*values, where, [&](const JsonValue& element, std::size_t) {
-        grid.values.push_back(float(context.json.number(element, non_negative, where).value_or(0)));
+        read.push_back(float(context.json.number(element, any, where).value_or(0)));
     });
     if (context.json.error()) return grid;
+    Result<GridPointer> samples = build_grid(edges, read);
+    if (!samples) {
+        context.json.fail(value, what + " " + samples.error().message);
+        return grid;
+    }
+    grid.samples = *samples;
     if (const auto f = fault(grid)) context.json.fail(value, what + " " + *f);
     return grid;
 }
@@ -263,7 +270,7 @@ std::vector<Object> read_model(JsonContext& context, const JsonValue& file, cons
     return merge_model(context.scene, *std::move(model));
 }
 
-// "frame" and "height" of voxels in a file.
+// "frame", "height" and "grid" of what is in a file.
 LoadOptions read_load_options(JsonContext& context, const JsonValue& value, const std::string& what) {
     LoadOptions options;
     if (const JsonValue* frame = value.find("frame"))
@@ -271,6 +278,8 @@ LoadOptions read_load_options(JsonContext& context, const JsonValue& value, cons
     if (const JsonValue* height = value.find("height"))
         if (const auto number = context.json.number(*height, {1, 65536}, of("height", what)))
             options.heightmap = float(*number);
+    if (const JsonValue* grid = value.find("grid"))
+        options.grid = context.json.text(*grid, of("grid", what)).value_or("");
     return options;
 }
 
@@ -286,18 +295,21 @@ void read_level_of_detail(JsonContext& context, const JsonValue& value, const st
             voxels->level_of_detail = float(*pixels);
 }
 
-// A volume's "filter" replaces that of the grids it brings.
-void read_filter(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
-                 const std::string& what) {
-    const JsonValue* filter = value.find("filter");
-    if (!filter) return;
-    constexpr std::string_view names[] = {"nearest", "linear"};  // as Filter has them
-    const auto choice = context.json.choice(*filter, names, of("filter", what));
-    if (!choice) return;
-    for (const Object& part : parts)
-        if (const auto* volume =
-                std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data))
-            context.scene.grids[std::size_t(volume->grid)].filter = Filter(*choice);
+// A volume's "filter" and "precision" replace those of the grids it brings.
+void read_look_up(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
+                  const std::string& what) {
+    std::optional<int> filter, precision;
+    if (const JsonValue* chosen = value.find("filter"))
+        filter = context.json.choice(*chosen, volume_filters, of("filter", what));
+    if (const JsonValue* chosen = value.find("precision"))
+        precision = context.json.choice(*chosen, grid_precisions, of("precision", what));
+    for (const Object& part : parts) {
+        const auto* volume = std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data);
+        if (!volume) continue;
+        Grid& grid = context.scene.grids[std::size_t(volume->grid)];
+        if (filter) grid.filter = Filter(*filter);
+        if (precision) grid.precision = GridPrecision(*precision);
+    }
 }
 
 }  // namespace
@@ -322,7 +334,8 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
         parts.from_file = true;
         parts.objects = read_model(context, *file, read_load_options(context, value, what), *record, what);
     } else {
-        if (!has_no(context, value, {"frame", "height"}, what, "cells")) return {};
+        if (!has_no(context, value, {"frame", "height", "grid"}, what, record->type == "volume" ? "values" : "cells"))
+            return {};
         if (auto* mesh = std::get_if<MeshGeometry>(&geometry.data)) *mesh = read_mesh(context, value, what);
         if (auto* voxels = std::get_if<VoxelGeometry>(&geometry.data)) *voxels = read_voxels(context, value, what);
         if (auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) *sdf = read_sdf(context, value, what);
@@ -339,7 +352,7 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
         context.scene.geometries.push_back(std::move(geometry));
         parts.objects.push_back(std::move(object));
     }
-    read_filter(context, value, parts.objects, what);
+    if (record->type == "volume") read_look_up(context, value, parts.objects, what);
     read_level_of_detail(context, value, parts.objects, what);
     if (record->type == "voxels") read_looks(context, value, parts.objects, what);
     return parts;

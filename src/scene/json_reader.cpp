@@ -139,9 +139,12 @@ void read_textures(JsonContext& context, const JsonValue& value) {
     });
 }
 
-// The grid of the volume that "density" names.
-int read_density(JsonContext& context, const JsonValue& value, const std::string& what) {
-    const std::string where = "\"density\" of " + what;
+// The grid of the volume that "density", "albedo" or "temperature" names.
+int read_volume(JsonContext& context, const JsonValue& medium, const char* key, const std::string& what) {
+    const JsonValue* found = medium.find(key);
+    if (!found) return -1;
+    const JsonValue& value = *found;
+    const std::string where = "\"" + std::string(key) + "\" of " + what;
     const int geometry = context.json.reference(value, context.geometries, where);
     if (geometry < 0) return -1;
     for (const Object& part : context.geometry_parts[std::size_t(geometry)].objects)
@@ -158,8 +161,9 @@ void read_media(JsonContext& context, const JsonValue& value) {
         Medium& medium = context.scene.media[index];
         medium.name = member.key;
         context.json.record(member.value, medium_record(), &medium, what);
-        if (const JsonValue* density = member.value.find("density"))
-            medium.grid = read_density(context, *density, what);
+        medium.grid = read_volume(context, member.value, "density", what);
+        medium.albedo = read_volume(context, member.value, "albedo", what);
+        medium.temperature = read_volume(context, member.value, "temperature", what);
         if (const JsonValue* erosion = member.value.find("erosion"))
             context.json.record(*erosion, erosion_record(), &medium.erosion, "erosion of " + what);
         check(context, member.value, medium, what);

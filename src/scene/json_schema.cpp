@@ -150,7 +150,7 @@ OrderedJson definitions() {
     for (const MaterialInfo& info : material_infos())
         for (const MaterialPreset& preset : info.presets) presets.push_back(preset.name);
     d["preset"] = {{"enum", presets}};
-    d["number_list"] = array_of(bounded("number", non_negative));
+    d["number_list"] = array_of(bounded("number", any));
     d["vec2_list"] = array_of(array_of(number, 2));
     d["vec3_list"] = array_of(array_of(number, 3));
     d["vec4_list"] = array_of(array_of(number, 4));
@@ -161,7 +161,8 @@ OrderedJson definitions() {
     d["pixels"] = bounded("number", {0, 1024});
     d["size3"] = array_of(bounded("integer", {1, 65536}), 3);
     d["layers"] = array_of(array_of({{"type", "string"}, {"pattern", "^[. 1-9a-z]+$"}}));
-    d["filter"] = {{"enum", {"nearest", "linear"}}};
+    d["filter"] = {{"enum", volume_filters}};
+    d["precision"] = {{"enum", grid_precisions}};
     d["bounds"] = array_of(array_of(number, 3), 2);
     d["sdf_node"] = sdf_node_schema();
     d["sdf"] = {{"anyOf", OrderedJson::array({name(), reference_to("sdf_node")})}};
@@ -263,7 +264,8 @@ std::string type_text(const Field& field) {
                 {"rate", "number"},
                 {"formulas", "formulas by name"},
                 {"formula_values", "formulas by place"},
-                {"filter", "`nearest`, `linear`"},
+                {"filter", "`nearest`, `linear`, `cubic`"},
+                {"precision", "`full`, `half`, `16 bits`, `8 bits`"},
                 {"bounds", "two corners"},
                 {"sdf", "text or tree"},
                 {"transform", "list"},

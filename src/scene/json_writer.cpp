@@ -195,15 +195,22 @@ class Writer {
     OrderedJson medium(const Medium& medium) {
         OrderedJson value = changes(medium_record(), &medium);
         if (medium.erosion.kind != Erosion::Kind::none) value["erosion"] = changes(erosion_record(), &medium.erosion);
-        if (medium.grid < 0) return value;
+        volume(medium, "density", medium.grid, value);
+        volume(medium, "albedo", medium.albedo, value);
+        volume(medium, "temperature", medium.temperature, value);
+        return value;
+    }
+
+    void volume(const Medium& medium, const char* key, int grid, OrderedJson& value) {
+        if (grid < 0) return;
         for (std::size_t i = 0; i < geometries_.size(); ++i) {
             const auto* volume = std::get_if<VolumeGeometry>(&scene_.geometries[i].data);
-            if (!volume || volume->grid != medium.grid) continue;
-            value["density"] = geometries_[i];
-            return value;
+            if (!volume || volume->grid != grid) continue;
+            value[key] = geometries_[i];
+            return;
         }
-        if (!error_) error_ = Error{"medium \"" + medium.name + "\" has a density that no volume of the scene holds"};
-        return value;
+        if (!error_)
+            error_ = Error{"medium \"" + medium.name + "\" has a " + key + " that no volume of the scene holds"};
     }
 
     OrderedJson geometry(const Geometry& geometry) {
@@ -232,10 +239,12 @@ class Writer {
             }
         } else if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             const Grid& grid = scene_.grids[std::size_t(volume->grid)];
-            value["size"] = triple(grid.size);
-            value["values"] = floats(grid.values);
+            value["size"] = triple(grid.samples->size());
+            value["values"] = floats(grid.samples->dense());
             if (grid.index_to_local != mat4x3(1)) value["transform"] = matrix(grid.index_to_local);
-            value["filter"] = grid.filter == Filter::nearest ? "nearest" : "linear";
+            value["filter"] = volume_filters[std::size_t(grid.filter)];
+            if (grid.precision != GridPrecision::full)
+                value["precision"] = grid_precisions[std::size_t(grid.precision)];
         } else if (const auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) {
             value["expression"] = sdf_text(sdf->root);
             if (sdf->bounds) value["bounds"] = vectors(std::vector<vec3>{sdf->bounds->first, sdf->bounds->second});

@@ -28,7 +28,8 @@ std::vector<Object> merge_model(Scene& scene, Scene model) {
             shift(*texture, scene.textures.size());
         shift(m.interior, scene.media.size());
     }
-    for (Medium& medium : model.media) shift(medium.grid, scene.grids.size());
+    for (Medium& medium : model.media)
+        for (int* grid : {&medium.grid, &medium.albedo, &medium.temperature}) shift(*grid, scene.grids.size());
     for (Geometry& geometry : model.geometries)
         if (auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) shift(volume->grid, scene.grids.size());
     for (Object& object : model.objects) {

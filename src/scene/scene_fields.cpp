@@ -16,7 +16,7 @@ struct ChoiceNames<VoxelOutlines::Where> {
 };
 template <>
 struct ChoiceNames<Erosion::Kind> {
-    static constexpr std::string_view names[] = {"none", "value", "fbm"};
+    static constexpr std::string_view names[] = {"none", "value", "fbm", "value_noise", "perlin", "simplex"};
 };
 template <>
 struct ChoiceNames<ToneMap> {
@@ -390,6 +390,20 @@ const Record& medium_record() {
             color("emission", &Medium::emission, "Radiance gained per unit length at density 1.", non_negative,
                   "W/(sr·m²) per scene unit"),
             by_hand("density", "reference", "Volume (a named geometry) whose density multiplies all this; none: 1."),
+            field("density_range", &Medium::density_range,
+                  "The values of `density` that mean 0 and 1, for data in units of its own: below is 0, above is more "
+                  "than 1."),
+            by_hand("albedo", "reference",
+                    "Volume of colours, 0 to 1: so much of what would scatter still does, the rest is absorbed."),
+            by_hand(
+                "temperature", "reference",
+                "Volume of temperatures: the medium glows as a black body; `emission` is then what white would glow "
+                "at `temperature_reference`."),
+            field("temperature_scale", &Medium::temperature_scale, "Kelvin for each unit of `temperature`."),
+            field("temperature_offset", &Medium::temperature_offset, "Temperature where its value is 0.", any,
+                  "kelvin"),
+            field("temperature_reference", &Medium::temperature_reference,
+                  "Temperature at which a black body's luminance counts as 1.", positive, "kelvin"),
             by_hand("erosion", "erosion", "Noise that eats the density; needs `density`."),
         });
     return table;
@@ -399,11 +413,21 @@ const Record& erosion_record() {
     static const Record table = record<Erosion>(
         "", "Noise that eats a density.",
         {
-            required(field("type", &Erosion::kind, "One octave of value noise, or a fractal sum.")),
-            field("strength", &Erosion::strength, "How much is eaten.", non_negative),
+            required(
+                field("type", &Erosion::kind,
+                      "What the density is multiplied by: `value_noise`, `perlin` and `simplex`: max(0, offset + "
+                      "strength · noise), the noise a fractal sum from −1 to 1; `value`: max(0, ½ + ½ · strength · "
+                      "value noise) of one octave; `fbm`: max(0, 5 · strength · (½ + ½ · value noise) − 2).")),
+            field("strength", &Erosion::strength, "Factor of the noise.", non_negative),
+            field("offset", &Erosion::offset, "Added to the noise; not of `value` and `fbm`."),
             field("frequency", &Erosion::frequency, "Noise cells per edge of the grid's box.", positive),
-            field("octaves", &Erosion::octaves, "Octaves of the fractal sum.", {1, 16}),
+            field("octaves", &Erosion::octaves, "Octaves of the fractal sum; `value` has one.", {1, 16}),
+            field("gain", &Erosion::gain, "Amplitude of an octave, that of the one before being 1; ½ of `fbm`.",
+                  {0.01, 1}),
+            field("lacunarity", &Erosion::lacunarity, "The same of its frequency; 2 of `fbm`.", {1, 8}),
             field("drift", &Erosion::drift, "Added to the noise coordinate."),
+            field("velocity", &Erosion::velocity, "How the drift changes with `time`.", any, "1/s"),
+            field("time", &Erosion::time, "Time for `velocity`.", any, "seconds"),
         });
     return table;
 }
@@ -494,13 +518,23 @@ const Family& geometry_family() {
             record_by_hand("volume", "The box of a density grid: no surface of its own, holds an interior medium.",
                            {
                                by_hand("file", "path", "Volume file relative to the scene file."),
+                               by_hand("grid", "text",
+                                       "The grid of this name in `file`, as `spinel info` tells it, where there are "
+                                       "several."),
+                               by_hand("frame", "frame", "Of a `file` that holds a row of volumes, from 0."),
                                by_hand("size", "size3", "Samples along x, y and z, with `values`."),
                                by_hand("values", "number_list",
-                                       "Densities ≥ 0, x fastest, then y, then z; sample (i, j, k) sits at "
+                                       "Values, x fastest, then y, then z; sample (i, j, k) sits at "
                                        "(i+½, j+½, k+½) of the box [0, size]."),
                                by_hand("transform", "transform",
                                        "Of the box of `values` to the geometry's own space; as that of an object."),
-                               by_hand("filter", "filter", "Look-up between samples; linear, or as the file has it."),
+                               by_hand("filter", "filter",
+                                       "Look-up between samples; linear, or as the file has it. `cubic` is a B-spline: "
+                                       "smooth, and smoothing."),
+                               by_hand("precision", "precision",
+                                       "How samples are kept: `full` as floats, `half` within 1/2048 of the value, `16 "
+                                       "bits` and `8 bits` within 1/131070 and 1/510 of what the samples of a brick of "
+                                       "8³ differ."),
                            }),
             record_by_hand("sdf", "The solid where a signed distance bound is negative.",
                            {

@@ -92,6 +92,10 @@ const Family& texture_family();
 const Family& geometry_family();
 const Family& light_family();
 
+// Words for Filter and GridPrecision of volumes.
+inline constexpr std::string_view volume_filters[] = {"nearest", "linear", "cubic"};
+inline constexpr std::string_view grid_precisions[] = {"full", "half", "16 bits", "8 bits"};
+
 // ---------------------------------------------------------------------------------------------- how rows are
 // made
 template <class E>

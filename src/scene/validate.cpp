@@ -191,8 +191,10 @@ Fault object_fault(const Object& object, const Scene& scene, const std::vector<s
 
     const Geometry& geometry = scene.geometries[std::size_t(object.geometry)];
     const std::string kind(kind_name(geometry));
-    if (std::holds_alternative<VolumeGeometry>(geometry.data)) {
-        if (object.interior < 0) return "is a volume without an interior medium";
+    if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
+        const bool vectors = volume->grid >= 0 && volume->grid < int(scene.grids.size()) &&
+                             scene.grids[std::size_t(volume->grid)].samples->channels() > 1;
+        if (object.interior < 0 && !vectors) return "is a volume without an interior medium";
         if (std::any_of(object.materials.begin(), object.materials.end(), [](int m) { return m >= 0; }))
             return "is a volume, which has no surface for a material";
         return {};
@@ -314,23 +316,32 @@ Fault fault(const Medium& medium) {
     if (!at_least_zero(medium.scattering) || !at_least_zero(medium.absorption) || !at_least_zero(medium.emission))
         return "has a coefficient or emission that is negative or not finite";
     if (!(medium.g > -1 && medium.g < 1)) return "has g that is not between −1 and 1";
+    const float span = medium.density_range.y - medium.density_range.x;
+    if (!above_zero(span) || !finite(medium.density_range.x) || !finite(1.0f / span))
+        return "has a density_range that does not rise";
+    if (medium.grid < 0 && (medium.albedo >= 0 || medium.temperature >= 0))
+        return "has an albedo or a temperature but no density that it could belong to";
+    if (!above_zero(medium.temperature_reference) || !finite(medium.temperature_scale) ||
+        !finite(medium.temperature_offset))
+        return "has a temperature_reference, temperature_scale or temperature_offset out of range";
     const Erosion& erosion = medium.erosion;
     if (erosion.kind != Erosion::Kind::none) {
         if (medium.grid < 0) return "has erosion but no density that it could eat";
         if (!(erosion.strength >= 0 && finite(erosion.strength)) || !above_zero(erosion.frequency) ||
-            erosion.octaves < 1 || erosion.octaves > 16 || !finite(erosion.drift))
-            return "has erosion with a strength, frequency, number of octaves or drift out of range";
+            erosion.octaves < 1 || erosion.octaves > 16 || !finite(erosion.drift) || !finite(erosion.velocity) ||
+            !finite(erosion.time) || !finite(erosion.offset) || !(erosion.gain > 0 && erosion.gain <= 1) ||
+            !(erosion.lacunarity >= 1 && erosion.lacunarity <= 8))
+            return "has erosion with a strength, offset, frequency, number of octaves, gain, lacunarity, drift, "
+                   "velocity "
+                   "or time out of range";
     }
     return {};
 }
 
 Fault fault(const Grid& grid) {
-    if (grid.size.x < 1 || grid.size.y < 1 || grid.size.z < 1) return "has a size of zero";
-    const std::size_t count = std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z);
-    if (grid.values.size() != count)
-        return "has " + std::to_string(grid.values.size()) + " values; its size needs " + std::to_string(count);
-    for (const float value : grid.values)
-        if (!(value >= 0 && finite(value))) return "has a density that is negative or not finite";
+    if (!grid.samples) return "has no samples";
+    if (!finite(grid.samples->minimum()) || !finite(grid.samples->maximum()) || !finite(grid.background))
+        return "has a value that is not finite";
     return transform_fault(grid.index_to_local);
 }
 
@@ -412,6 +423,21 @@ Fault fault(const Texture& texture) {
                       texture.data);
 }
 
+namespace {
+
+Fault medium_grids_fault(const Medium& medium, const Scene& scene) {
+    for (const int grid : {medium.grid, medium.albedo, medium.temperature}) {
+        if (grid < -1 || grid >= int(scene.grids.size())) return "refers to a grid that is not there";
+        if (grid < 0) continue;
+        const bool vectors = scene.grids[std::size_t(grid)].samples->channels() == 3;
+        if (grid == medium.albedo && grid != medium.grid && !vectors) return "has an albedo that is not of colours";
+        if (grid != medium.albedo && vectors) return "has a density or temperature that is of vectors, not of numbers";
+    }
+    return {};
+}
+
+}  // namespace
+
 Result<void> validate(const Scene& scene) {
     const auto error = [](const std::string& thing, const Fault& f) { return Error{thing + " " + *f}; };
     const auto each = [&](const char* noun, const auto& things) -> Result<void> {
@@ -441,8 +467,8 @@ Result<void> validate(const Scene& scene) {
     if (auto result = each("geometry", scene.geometries); !result) return result;
     if (auto result = each("light", scene.lights); !result) return result;
     for (std::size_t i = 0; i < scene.media.size(); ++i)
-        if (scene.media[i].grid < -1 || scene.media[i].grid >= int(scene.grids.size()))
-            return Error{called("medium", scene.media[i].name, i) + " refers to a grid that is not there"};
+        if (const Fault f = medium_grids_fault(scene.media[i], scene))
+            return error(called("medium", scene.media[i].name, i), f);
     for (std::size_t i = 0; i < scene.materials.size(); ++i)
         if (const Fault f = material_fault(scene.materials[i].values, scene))
             return error(called("material", scene.materials[i].name, i), f);

@@ -211,7 +211,7 @@ class Voxeliser {
         if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             const Grid& grid = scene_.grids[std::size_t(volume->grid)];
             const glm::mat4 to_world = glm::mat4(m) * glm::mat4(grid.index_to_local);
-            bounds.add_box(mat4x3(to_world), dvec3(0), dvec3(grid.size));
+            bounds.add_box(mat4x3(to_world), dvec3(0), dvec3(grid.samples->size()));
             return {};
         }
         if (const auto* voxels = std::get_if<SdfVoxelGeometry>(&geometry.data)) {

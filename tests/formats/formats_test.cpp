@@ -126,7 +126,7 @@ Contents contents_of(const Scene& scene) {
             for (const uvec3& t : mesh->triangles)
                 add((mesh->positions[t.x] + mesh->positions[t.y] + mesh->positions[t.z]) / 3.0f);
     }
-    for (const Grid& grid : scene.grids) contents.grids.push_back(grid.values);
+    for (const Grid& grid : scene.grids) contents.grids.push_back(grid.samples->dense());
     return contents;
 }
 

@@ -97,14 +97,16 @@ TEST_F(Vdb, a_volume_is_voxels_only_if_asked_for) {
     as_voxels.voxels = true;
     for (const char* name : {"torus01.vdb", "sphere_levelset.vdb", "dragon_fog.vdb"}) {
         const auto path = files / name;
-        expect_refused(load_vdb(path, {}), path, "--voxels FILE");
+        const Result<Scene> volume = load_vdb(path, {});
+        ASSERT_TRUE(volume) << volume.error().message;
+        EXPECT_TRUE(std::holds_alternative<VolumeGeometry>(volume->geometries[0].data));
         const Result<Scene> scene = load_vdb(path, as_voxels);
         ASSERT_TRUE(scene) << scene.error().message;
         EXPECT_TRUE(validate(*scene));
         EXPECT_GT(std::get<VoxelGeometry>(scene->geometries[0].data).tree->voxel_count(), 1000u);
     }
-    for (const char* name : {"pointgrid.vdb", "velocity_vec3s.vdb"})
-        expect_refused(load_vdb(files / name, as_voxels), files / name, "is of type");
+    expect_refused(load_vdb(files / "pointgrid.vdb", as_voxels), files / "pointgrid.vdb", "holds points");
+    expect_refused(load_vdb(files / "velocity_vec3s.vdb", as_voxels), files / "velocity_vec3s.vdb", "is of type");
     const Result<Scene> three = load_vdb(files / "grids_3samename.vdb", as_voxels);
     ASSERT_TRUE(three) << three.error().message;
     EXPECT_EQ(three->objects.size(), 3u);

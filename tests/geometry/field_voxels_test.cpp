@@ -39,8 +39,7 @@ TEST(FieldVoxels, pruning_by_the_slope_changes_no_cell) {
 
 TEST(FieldVoxels, a_volume_is_solid_where_it_is_dense_enough) {
     Grid grid;
-    grid.size = {4, 1, 1};
-    grid.values = {0, 1, 0.6f, 0};
+    grid.samples = *build_grid({4, 1, 1}, std::vector<float>{0, 1, 0.6f, 0});
     const auto frame = fit_voxel_frame({0, 0, 0}, {4, 1, 1}, 8);
     const auto row = [&](Filter filter, float threshold) {
         grid.filter = filter;

@@ -93,7 +93,7 @@ TEST(JsonReader, environments_lights_textures_and_media) {
     EXPECT_EQ(scene.media[1].erosion.kind, Erosion::Kind::fbm);
     EXPECT_EQ(scene.media[1].erosion.octaves, 5);
     ASSERT_EQ(scene.grids.size(), 1u);
-    EXPECT_EQ(scene.grids[0].values, (std::vector<float>{0.25f, 4}));
+    EXPECT_EQ(scene.grids[0].samples->dense(), (std::vector<float>{0.25f, 4}));
     EXPECT_EQ(scene.grids[0].filter, Filter::nearest);
     EXPECT_EQ(scene.objects.at(0).interior, 1);
     ASSERT_EQ(scene.lights.size(), 3u);

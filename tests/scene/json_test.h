@@ -43,8 +43,8 @@ inline Scene two_meshes() {
 
 inline Scene cloud() {
     Scene model;
-    model.grids.push_back({"cloud", {2, 1, 1}, {1, 2}, mat4x3(1), Filter::linear});
-    model.media.push_back({"cloud", vec3(1), vec3(0), 0, vec3(0), 0, {}});
+    model.grids.push_back({"cloud", *build_grid({2, 1, 1}, std::vector<float>{1, 2})});
+    model.media.push_back({"cloud", vec3(1), vec3(0), 0, vec3(0), 0});
     model.geometries.push_back({"cloud", VolumeGeometry{0}});
     Object object;
     object.geometry = 0;

@@ -33,8 +33,8 @@ Scene valid_scene() {
     ImageTexture image;
     image.pixels = std::make_shared<const PixelBuffer>(PixelBuffer{1, 1, 1, std::vector<float>{1}});
     scene.textures.push_back({"image", image});
-    scene.grids.push_back({"grid", {1, 1, 2}, {0, 1}, mat4x3(1), Filter::linear});
-    scene.media.push_back({"fog", vec3(1), vec3(0), 0.5f, vec3(0), 0, {}});
+    scene.grids.push_back({"grid", *build_grid({1, 1, 2}, std::vector<float>{0, 1})});
+    scene.media.push_back({"fog", vec3(1), vec3(0), 0.5f, vec3(0), 0});
     MeshGeometry mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.triangles = {{0, 1, 2}};
@@ -99,8 +99,18 @@ TEST(Validate, each_fault_is_a_sentence_that_names_the_thing) {
         {"environment has no pixels", [](Scene& s) { s.environment = ImageEnvironment{}; }},
         {"environment has haze or scale that is negative or not finite",
          [](Scene& s) { std::get<SkyEnvironment>(s.environment).haze = -1; }},
-        {"grid \"grid\" has 1 values; its size needs 2", [](Scene& s) { s.grids[0].values.pop_back(); }},
-        {"grid \"grid\" has a density that is negative or not finite", [](Scene& s) { s.grids[0].values[0] = nan; }},
+        {"grid \"grid\" has no samples", [](Scene& s) { s.grids[0].samples = nullptr; }},
+        {"grid \"grid\" has a value that is not finite", [](Scene& s) { s.grids[0].background = nan; }},
+        {"medium \"fog\" has a density_range that does not rise",
+         [](Scene& s) {
+             s.media[0].density_range = {1, 1};
+         }},
+        {"medium \"fog\" has an albedo that is not of colours",
+         [](Scene& s) {
+             s.grids.push_back(s.grids[0]);
+             s.media[0].grid = 0;
+             s.media[0].albedo = 1;
+         }},
         {"medium \"fog\" has g that is not between −1 and 1", [](Scene& s) { s.media[0].g = -1; }},
         {"medium \"fog\" has a coefficient or emission that is negative or not finite",
          [](Scene& s) { s.media[0].absorption.y = -1; }},

@@ -32,13 +32,25 @@ inline constexpr std::string_view case_scene_json = R"json({
     "linear": {"type": "volume", "size": [3, 2, 2], "values": [0, 1, 2, 0.5, 0, 1, 1, 3, 0, 2, 0.1, 1],
                "transform": [{"scale": [0.6, 0.9, 0.9]}, {"translate": [-1, -1, -1]}]},
     "nearest": {"type": "volume", "size": [2, 2, 1], "values": [0, 1, 1, 0.5], "filter": "nearest",
-                "transform": [{"translate": [-1, -1, -0.5]}]}
+                "transform": [{"translate": [-1, -1, -0.5]}]},
+    "half": {"type": "volume", "size": [3, 3, 2], "values": [0, 1, 2, 0.5, 0, 1, 1, 3, 0, 2, 0.1, 1, 0, 2, 1, 1, 0.3, 2],
+             "precision": "half", "transform": [{"scale": [0.6, 0.6, 0.9]}, {"translate": [-1, -1, -1]}]},
+    "cubic": {"type": "volume", "size": [10, 1, 2], "filter": "cubic", "precision": "16 bits",
+              "values": [0, 1, 2, 0.5, 0, 1, 1, 3, 0, 2, 0.1, 1, 0, 2, 1, 1, 0.3, 2, 0.7, 3],
+              "transform": [{"scale": [0.2, 1.8, 0.9]}, {"translate": [-1, -1, -1]}]},
+    "bytes": {"type": "volume", "size": [1, 2, 9], "precision": "8 bits",
+              "values": [0, 1, 2, 0.5, 0, 1, 1, 3, 0, 2, 0.1, 1, 0, 2, 1, 1, 0.3, 2],
+              "transform": [{"scale": [1.8, 0.9, 0.2]}, {"translate": [-1, -1, -1]}]}
   },
   "media": {
     "fog": {"scattering": [2, 1, 0.5], "absorption": 0.1, "g": 0.3},
     "plain": {"scattering": 5, "density": "linear"},
     "wool": {"scattering": 5, "density": "linear", "erosion": {"type": "value", "strength": 1.2, "frequency": 5}},
-    "mist": {"scattering": 5, "density": "nearest", "erosion": {"type": "fbm", "frequency": 3, "drift": [1, 2, 3]}}
+    "mist": {"scattering": 5, "density": "nearest", "erosion": {"type": "fbm", "frequency": 3, "drift": [1, 2, 3]}},
+    "dust": {"scattering": 5, "density": "half", "erosion": {"type": "perlin", "frequency": 3, "offset": 0.3}},
+    "silk": {"scattering": 5, "density": "cubic", "density_range": [0.2, 3],
+             "erosion": {"type": "simplex", "frequency": 4, "offset": 0.5, "octaves": 3, "gain": 0.6, "lacunarity": 2.3}},
+    "snow": {"scattering": 5, "density": "bytes"}
   },
   "objects": [
     {"geometry": "steps", "material": ["matte", "water"],
@@ -51,7 +63,10 @@ inline constexpr std::string_view case_scene_json = R"json({
     {"geometry": {"type": "sphere", "radius": 0.6}, "material": "matte", "transform": [{"translate": [2, 1, 1]}]},
     {"geometry": "linear", "material": null, "interior": "plain"},
     {"geometry": "linear", "material": null, "interior": "wool", "transform": [{"translate": [0.1, 0.3, 0.2]}]},
-    {"geometry": "nearest", "material": null, "interior": "mist", "transform": [{"translate": [0.2, 0, 0.1]}]}
+    {"geometry": "nearest", "material": null, "interior": "mist", "transform": [{"translate": [0.2, 0, 0.1]}]},
+    {"geometry": "half", "material": null, "interior": "dust"},
+    {"geometry": "cubic", "material": null, "interior": "silk", "transform": [{"translate": [0.1, 0.3, 0.2]}]},
+    {"geometry": "bytes", "material": null, "interior": "snow"}
   ]
 })json";
 

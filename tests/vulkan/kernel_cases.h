@@ -41,7 +41,7 @@ const uint MATERIAL_VARIANTS = 256u;  // of each kind in SceneView::materials, i
 const uint CASE_SDF_COUNT = 2u;
 const uint CASE_HOMOGENEOUS_COUNT = 2u;  // interiors, the first ones
 const uint CASE_DENSITY_FIRST = 2u;      // media with a grid
-const uint CASE_DENSITY_COUNT = 3u;
+const uint CASE_DENSITY_COUNT = 6u;
 
 struct CaseResult {
     uvec4 exact;  // integers and decisions

@@ -114,8 +114,4 @@ std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, uint in
     return list;
 }
 
-#ifndef SPINEL_NANOVDB
-std::vector<BenchStructure> nanovdb_structures(const VoxelTree&) { return {}; }
-#endif
-
 }  // namespace spinel::cli

@@ -29,7 +29,7 @@ std::vector<BenchStructure> scene_structures(const CompiledScene& scene, const s
 // Of one set of voxels, in its own space. `tree` is the set that instance `instance` shows.
 std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, kernels::uint instance, const VoxelTree& tree);
 
-// NanoVDB's hierarchical DDA, in leaves from voxel to voxel by their masks; nothing where Spinel was built without it.
+// NanoVDB's hierarchical DDA, in leaves from voxel to voxel by their masks.
 std::vector<BenchStructure> nanovdb_structures(const VoxelTree& tree);
 
 }  // namespace spinel::cli

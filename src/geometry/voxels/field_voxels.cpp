@@ -69,14 +69,10 @@ VoxelFunction volume_voxels(const Grid& grid, const VoxelFrame& frame, const mat
     const dmat4x3 to_object = cells_to_object(frame, world_to_object);
     dmat4x3 to_grid;
     for (int i = 0; i < 4; ++i) to_grid[i] = dvec3(to_index * glm::dvec4(to_object[i], i == 3 ? 1 : 0));
-    const auto value = [&grid](ivec3 i) {
-        i = glm::clamp(i, ivec3(0), grid.size - 1);
-        return grid.values[std::size_t(i.x) +
-                           std::size_t(grid.size.x) * (std::size_t(i.y) + std::size_t(grid.size.y) * std::size_t(i.z))];
-    };
+    const auto value = [&grid](ivec3 i) { return grid.samples->at(glm::clamp(i, ivec3(0), grid.samples->size() - 1)); };
     const auto at = [=, &grid](ivec3 cell) {
         const dvec3 p = transformed(to_grid, dvec3(cell) + 0.5);
-        if (glm::any(glm::lessThan(p, dvec3(0))) || glm::any(glm::greaterThanEqual(p, dvec3(grid.size))))
+        if (glm::any(glm::lessThan(p, dvec3(0))) || glm::any(glm::greaterThanEqual(p, dvec3(grid.samples->size()))))
             return std::uint16_t(0);
         if (grid.filter == Filter::nearest) return value(ivec3(p)) >= threshold ? palette : std::uint16_t(0);
         const dvec3 q = p - 0.5, base = glm::floor(q), w = q - base;

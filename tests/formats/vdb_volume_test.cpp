@@ -1,0 +1,107 @@
+// Volumes as OpenVDB itself writes them.
+
+#include "formats/vdb_volume.h"
+
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include "formats/vdb.h"
+#include "scene/validate.h"
+#include "test_files.h"
+
+namespace spinel {
+namespace {
+
+using VdbVolume = FileTest;
+using openvdb::Coord;
+
+void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids) {
+    openvdb::io::File file(path.string());
+    file.write(grids);
+    file.close();
+}
+
+TEST_F(VdbVolume, samples_stand_where_openvdb_has_them) {
+    openvdb::initialize();
+    // Turned, sheared and moved.
+    const openvdb::math::Mat4d m(0.0, 0.5, 0.0, 0.0, -0.25, 0.0, 0.1, 0.0, 0.0, 0.0, 2.0, 0.0, 7.0, 8.0, 9.0, 1.0);
+    for (const bool half : {false, true}) {
+        auto grid = openvdb::FloatGrid::create(0.25f);
+        grid->setName("density");
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(m));
+        grid->setSaveFloatAsHalf(half);
+        auto accessor = grid->getAccessor();
+        std::vector<Coord> places;
+        for (int i = 0; i < 30; ++i) {
+            places.emplace_back(3 * i - 40, 17 - i, i * i % 23);
+            accessor.setValue(places.back(), float(i) / 8 - 1);
+        }
+        const auto path = folder / "a.vdb";
+        write_vdb(path, {grid});
+        const Result<Scene> scene = load_vdb(path, {});
+        ASSERT_TRUE(scene) << scene.error().message;
+        EXPECT_TRUE(validate(*scene));
+        const Grid& read = scene->grids.at(0);
+        EXPECT_EQ(read.background, 0.25f);
+        const glm::dmat4 to_index = glm::inverse(glm::dmat4(glm::mat4(read.index_to_local)));
+        for (const Coord& place : places) {
+            const openvdb::Vec3d world = grid->indexToWorld(place);
+            const vec3 p = vec3(to_index * glm::dvec4(world[0], world[1], world[2], 1));
+            const ivec3 sample(glm::floor(p));
+            EXPECT_NEAR(glm::length(p - vec3(sample) - 0.5f), 0, 1e-3f);
+            EXPECT_EQ(read.samples->at(sample), accessor.getValue(place));
+            EXPECT_EQ(read.samples->at(sample - 1), accessor.getValue(place.offsetBy(-1)));
+        }
+    }
+}
+
+TEST_F(VdbVolume, several_grids_vectors_tiles_and_level_sets) {
+    openvdb::initialize();
+    auto tiles = openvdb::FloatGrid::create(0);
+    tiles->setName("density");
+    tiles->fill(openvdb::CoordBBox(Coord(0), Coord(511)), 0.5f);
+    auto wind = openvdb::Vec3SGrid::create();
+    wind->setName("wind");
+    wind->getAccessor().setValue(Coord(1, 2, 3), {4, 5, 6});
+    auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(5, {0, 0, 0}, 0.5f);
+    sphere->setName("density");
+    auto count = openvdb::Int32Grid::create();
+    count->setName("count");
+    count->getAccessor().setValue(Coord(1), 1);
+    const auto path = folder / "a.vdb";
+    write_vdb(path, {tiles, wind, sphere, count});
+    const Result<Scene> scene = load_vdb(path, {});
+    ASSERT_TRUE(scene) << scene.error().message;
+    const Result<void> valid = validate(*scene);
+    EXPECT_TRUE(valid) << valid.error().message;
+    ASSERT_EQ(scene->grids.size(), 3u);
+    EXPECT_LT(scene->grids[0].samples->stored_count(), 10u) << "tiles take no room";
+    EXPECT_EQ(scene->grids[1].name, "wind");
+    EXPECT_EQ(scene->grids[1].samples->channels(), 3);
+    EXPECT_EQ(scene->grids[2].name, "density[1]");
+    EXPECT_EQ(scene->grids[2].samples->minimum(), 0.0f);
+    EXPECT_EQ(scene->grids[2].samples->maximum(), 1.0f) << "a level set is fog";
+    ASSERT_EQ(scene->notes.size(), 1u);
+    EXPECT_NE(scene->notes[0].find("'count'"), std::string::npos);
+    LoadOptions one;
+    one.grid = "wind";
+    const Result<Scene> chosen = load_vdb(path, one);
+    ASSERT_TRUE(chosen) << chosen.error().message;
+    EXPECT_EQ(chosen->grids.size(), 1u);
+    one.grid = "fire";
+    expect_refused(load_vdb(path, one), path, "it has 'density', 'wind', 'density[1]'");
+}
+
+TEST_F(VdbVolume, what_is_too_large_is_refused_before_it_is_allocated) {
+    openvdb::initialize();
+    auto grid = openvdb::FloatGrid::create(0);
+    grid->getAccessor().setValue(Coord(0), 1);
+    grid->getAccessor().setValue(Coord(1 << 20, 1 << 20, 1 << 18), 1);
+    const auto path = folder / "a.vdb";
+    write_vdb(path, {grid});
+    expect_refused(load_vdb(path, {}), path, "allowed");
+}
+
+}  // namespace
+}  // namespace spinel
