@@ -373,9 +373,9 @@ std::string scene_reference() {
     return section("The file", scene_record()) + section("camera", camera_family()) + section("film", film_record()) +
            section("integrator", integrator_record()) + section("march", march_record()) +
            section("dvr", dvr_record()) + section("transfer_point", transfer_point_record()) +
-           section("accelerator", accelerator_record()) +
-           section("environment", environment_family()) + section("textures", texture_family()) + material_section() +
-           preset_section() + section("media", medium_record()) + section("erosion", erosion_record()) +
+           section("accelerator", accelerator_record()) + section("environment", environment_family()) +
+           section("textures", texture_family()) + material_section() + preset_section() +
+           section("media", medium_record()) + section("erosion", erosion_record()) +
            section("geometries", geometry_family()) + section("outlines", outlines_record()) +
            section("waves", waves_record()) + sdf_section() + section("objects", object_record()) +
            section("lights", light_family()) + section("animation", animation_record()) +

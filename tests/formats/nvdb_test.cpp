@@ -92,9 +92,7 @@ TEST_F(Nvdb, damage_is_refused_or_harmless) {
         std::string damaged = bytes;
         damaged.replace(at, 8, raw(std::uint64_t(0x123456789abcull) * (at + 1)));
         const Result<Scene> scene = load_nvdb(write("b.nvdb", damaged));
-        if (scene) {
-            EXPECT_TRUE(validate(*scene));
-        }
+        if (scene) { EXPECT_TRUE(validate(*scene)); }
     }
 }
 

@@ -82,8 +82,8 @@ TEST(Grid, samples_come_back_and_uniform_bricks_are_shared) {
     EXPECT_EQ((*grid)->minimum(), *std::min_element(values.begin(), values.end()));
     EXPECT_EQ((*grid)->maximum(), *std::max_element(values.begin(), values.end()));
 
-    const auto empty = build_grid({1 << 9, 1 << 9, 1 << 8}, 1,
-                                  [](ivec3, std::span<float> s) { std::fill(s.begin(), s.end(), 0.5f); });
+    const auto empty =
+        build_grid({1 << 9, 1 << 9, 1 << 8}, 1, [](ivec3, std::span<float> s) { std::fill(s.begin(), s.end(), 0.5f); });
     ASSERT_TRUE(empty) << empty.error().message;
     EXPECT_EQ((*empty)->stored_count(), 1u);
     EXPECT_FALSE(build_grid({1 << 20, 1 << 20, 1 << 20}, 1, [](ivec3, std::span<float>) {}));

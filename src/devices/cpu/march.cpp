@@ -19,7 +19,7 @@ using kernels::NONE;
 using kernels::ScatterState;
 using kernels::uint;
 
-constexpr int lattice_edge = 112;      // cells along the longest axis of the grid
+constexpr int lattice_edge = 112;     // cells along the longest axis of the grid
 constexpr float opaque = 1.0f / 512;  // what is left of the light behind which nothing is asked
 
 // Optical depth towards one light for density 1, at the corners of a lattice over the grid's box.
@@ -65,19 +65,23 @@ struct Tool {
     Float8 density(const Vec8& p, unsigned lanes) const {
         Float8 d = splat(0.0f);
         bool any = false;
-        for (int i = 0; i < 8; ++i)
-            if (lanes >> i & 1) {
-                d[i] = kernels::grid_density(view, grid, vec3(p.x[i], p.y[i], p.z[i]));
-                any |= d[i] > 0;
-            }
-        if (!any || medium.erosion == kernels::EROSION_NONE) return d;
-        const float f = medium.erosion_frequency;
-        const Vec8 q = {p.x * (to_unit.x * f) + medium.erosion_drift.x, p.y * (to_unit.y * f) + medium.erosion_drift.y,
-                        p.z * (to_unit.z * f) + medium.erosion_drift.z};
-        const float strength = medium.erosion_strength;
-        const Float8 factor = medium.erosion == kernels::EROSION_VALUE
-                                  ? 0.5f + 0.5f * strength * value_noise8(q)
-                                  : 5.0f * strength * (0.5f + 0.5f * fbm_noise8(q, medium.erosion_octaves)) - 2.0f;
+        for (int i = 0; i < 8; ++i) {
+            const vec3 point(p.x[i], p.y[i], p.z[i]);
+            if (!(lanes >> i & 1) || !kernels::grid_contains(grid, point)) continue;
+            d[i] = kernels::scaled_density(medium, kernels::grid_density(view, grid, point));
+            any |= d[i] > 0;
+        }
+        if (!any || medium.noise == kernels::NOISE_NONE) return d;
+        if (medium.noise != kernels::NOISE_VALUE || medium.noise_gain != 0.5f || medium.noise_lacunarity != 2.0f) {
+            for (int i = 0; i < 8; ++i)
+                if (d[i] > 0) d[i] *= kernels::erosion_factor(medium, vec3(p.x[i], p.y[i], p.z[i]) * to_unit);
+            return d;
+        }
+        const float f = medium.noise_frequency;
+        const Vec8 q = {p.x * (to_unit.x * f) + medium.noise_drift.x, p.y * (to_unit.y * f) + medium.noise_drift.y,
+                        p.z * (to_unit.z * f) + medium.noise_drift.z};
+        const Float8 noise = medium.noise_octaves > 1 ? fbm_noise8(q, medium.noise_octaves) : value_noise8(q);
+        const Float8 factor = medium.noise_offset + medium.noise_scale * noise;
         return d * maximum(factor, splat(0.0f));
     }
 };
@@ -217,13 +221,13 @@ void MarchShortcuts::Data::fill_lattice(const kernels::Light& light, DepthLattic
     lattice.depth.assign(lattice.at(0, 0, lattice.cells.z + 1), 0.0f);
     // Corners about cells whose majorant is not 0.
     std::vector<std::uint8_t> wanted(lattice.depth.size(), 0);
-    const vec3 cell_edge = vec3(float(tool.grid.majorant_cell));
-    const ivec3 m = tool.grid.majorant_size;
+    const vec3 cell_edge = vec3(tool.medium.majorant_cell);
+    const ivec3 m = tool.medium.majorant_size;
     for (int z = 0; z < m.z; ++z)
         for (int y = 0; y < m.y; ++y)
             for (int x = 0; x < m.x; ++x) {
                 const uint at = uint(x) + uint(m.x) * (uint(y) + uint(m.y) * uint(z));
-                if (!(view.floats.at[tool.grid.majorant_first + at] > 0)) continue;
+                if (!(view.floats.at[tool.medium.majorant_first + at] > 0)) continue;
                 const vec3 corner = vec3(ivec3(x, y, z)) * cell_edge;
                 const ivec3 lo = glm::max(ivec3(glm::floor(corner * lattice.per_index)), ivec3(0));
                 const ivec3 hi = glm::min(ivec3(glm::ceil((corner + cell_edge) * lattice.per_index)), lattice.cells);
