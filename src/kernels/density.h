@@ -61,6 +61,18 @@ FN float erosion_bound(uint kind, float strength) {
     return 1.0f;
 }
 
+// The smallest densities of the coarse cells stand behind the greatest.
+FN uint minorant_first(const_in(DensityGrid) grid) {
+    return grid.majorant_first + uint(grid.majorant_size.x) * uint(grid.majorant_size.y) * uint(grid.majorant_size.z);
+}
+
+// Density at a position in the grid's space, ≥ 0.
+FN float medium_density_in_grid(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid, vec3 index) {
+    float d = grid_density(scene, grid, index);
+    if (d > 0.0f && m.erosion != EROSION_NONE) d *= erosion_factor(m, index / vec3(grid.size));
+    return d;
+}
+
 // Density at a world position, ≥ 0.
 FN float medium_density(const_in(SceneView) scene, const_in(Medium) m, vec3 p) {
     if (m.grid == NONE) return 1.0f;

@@ -11,12 +11,18 @@ struct PreviewSettings {
     float glow_radius;  // world units; 0: four voxels of the set
 };
 
+// How the light that a shadow ray through a medium keeps is estimated (medium.h).
+const uint TRANSMITTANCE_RATIO = 0u;     // product of the chances that collisions are none
+const uint TRANSMITTANCE_RESIDUAL = 1u;  // the same about the least extinction of a cell, which counts in closed form
+const uint TRANSMITTANCE_DELTA = 2u;     // all or nothing: the first real collision is a shadow
+
 struct PathSettings {
     uint seed;
     int max_bounces;     // scattering events; −1: no limit
     float clamp;         // most that a path may add after its second scattering; 0: no limit
     int roulette_start;  // first bounce that Russian roulette may end
     PreviewSettings preview;
+    uint transmittance;  // TRANSMITTANCE_…
 };
 
 KERNELS_END

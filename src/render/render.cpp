@@ -96,8 +96,12 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
     const ivec2 tiles = tile_count(film);
     std::vector<std::uint8_t> finished(std::size_t(tiles.x) * std::size_t(tiles.y), 0);
     RenderPass pass;
-    pass.settings = {options.seed, options.max_bounces == -2 ? scene.integrator.max_bounces : options.max_bounces,
-                     options.clamp < 0 ? scene.integrator.clamp : float(options.clamp), 4, preview_settings(scene)};
+    pass.settings = {options.seed,
+                     options.max_bounces == -2 ? scene.integrator.max_bounces : options.max_bounces,
+                     options.clamp < 0 ? scene.integrator.clamp : float(options.clamp),
+                     4,
+                     preview_settings(scene),
+                     std::uint32_t(scene.integrator.transmittance)};
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 

@@ -37,7 +37,7 @@ Result<uint> add_grid(Compilation& c, int index) {
     if (!values) return values.error();
     record.value_first = *values;
     const ivec3 m = record.majorant_size;
-    std::vector<float> majorants(std::size_t(m.x) * std::size_t(m.y) * std::size_t(m.z));
+    std::vector<float> majorants(std::size_t(m.x) * std::size_t(m.y) * std::size_t(m.z)), minorants(majorants.size());
     const auto value = [&](int x, int y, int z) {
         return grid.values[std::size_t(x) +
                            std::size_t(grid.size.x) * (std::size_t(y) + std::size_t(grid.size.y) * std::size_t(z))];
@@ -51,14 +51,20 @@ Result<uint> add_grid(Compilation& c, int index) {
                 for (int i = 0; i < m.x; ++i) {
                     const ivec3 lo = glm::max(ivec3(i, j, k) * majorant_cell - reach, ivec3(0));
                     const ivec3 hi = glm::min((ivec3(i, j, k) + 1) * majorant_cell + reach, grid.size);
-                    float bound = 0;
+                    float bound = 0, least = kernels::INFINITE;
                     for (int z = lo.z; z < hi.z; ++z)
                         for (int y = lo.y; y < hi.y; ++y)
-                            for (int x = lo.x; x < hi.x; ++x) bound = std::max(bound, value(x, y, z));
-                    majorants[std::size_t(i) +
-                              std::size_t(m.x) * (std::size_t(j) + std::size_t(m.y) * std::size_t(k))] = bound;
+                            for (int x = lo.x; x < hi.x; ++x) {
+                                bound = std::max(bound, value(x, y, z));
+                                least = std::min(least, value(x, y, z));
+                            }
+                    const std::size_t cell =
+                        std::size_t(i) + std::size_t(m.x) * (std::size_t(j) + std::size_t(m.y) * std::size_t(k));
+                    majorants[cell] = bound;
+                    minorants[cell] = least;
                 }
     });
+    majorants.insert(majorants.end(), minorants.begin(), minorants.end());  // minorant_first() of kernels/density.h
     const Result<uint> first = append_pool(c.out.floats, majorants, NUMBERS);
     if (!first) return first.error();
     record.majorant_first = *first;
