@@ -304,12 +304,16 @@ struct MarchOptions {
 };
 
 // What the integrator should do; the command line overrides it.
+// How shadow rays through media on grids estimate what is left of the light: kernels/path_settings.h, in its order.
+enum class Transmittance { ratio, residual, delta };
+
 struct IntegratorSettings {
     std::string name = "path";
     int spp = 64;     // samples per pixel
     float clamp = 0;  // most that one path may add by indirect light, against sparks; 0: none, unbiased
     int max_bounces =
         -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
+    Transmittance transmittance = Transmittance::ratio;
     // Of the previews alone:
     float ao_radius = 0;    // world units: reach of ambient occlusion by rays; 0: a twentieth of the scene's diagonal
     float ao_strength = 1;  // 0 … 1

@@ -19,15 +19,20 @@ FN float scaled_density(const_in(Medium) m, float value) {
     return max(0.0f, m.density_scale * value + m.density_offset);
 }
 
+// Density at a position in the grid's space, ≥ 0; 0 outside of the grid.
+FN float medium_density_in_grid(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid, vec3 index) {
+    if (!grid_contains(grid, index)) return 0.0f;
+    float d = scaled_density(m, grid_density(scene, grid, index));
+    if (d > 0.0f && m.noise != NOISE_NONE) d *= erosion_factor(m, index / vec3(grid.size));
+    return d;
+}
+
 // Density at a world position, ≥ 0; 0 outside of the grid.
 FN float medium_density(const_in(SceneView) scene, const_in(Medium) m, vec3 p) {
     if (m.grid == NONE) return 1.0f;
     RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     vec3 index = m.world_to_grid * vec4(p, 1.0f);
-    if (!grid_contains(grid, index)) return 0.0f;
-    float d = scaled_density(m, grid_density(scene, grid, index));
-    if (d > 0.0f && m.noise != NOISE_NONE) d *= erosion_factor(m, index / vec3(grid.size));
-    return d;
+    return medium_density_in_grid(scene, m, grid, index);
 }
 
 // σs at density 1: the part of σs that the colour at p leaves; the rest absorbs, so the extinction is that of the

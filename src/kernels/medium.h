@@ -13,23 +13,14 @@
 //   r_path      p_i / p_hero          density, had channel i been the hero
 //   r_light     the same for the path whose last vertex was chosen by light sampling
 // A contribution is throughput·Le / mean(r_path + r_light): the balance heuristic over channels and strategies.
-#include "density.h"
+#include "grey_medium.h"
 #include "interior.h"
-#include "random.h"
 KERNELS_BEGIN
-
-struct SpectralWeights {
-    vec3 throughput;
-    vec3 r_path;
-    vec3 r_light;
-    uint hero;  // 0, 1, 2
-};
-
-const uint MAX_MEDIUM_STEPS = 1u << 20u;  // of one segment: majorant cells and collisions
 
 // Walks the coarse majorant cells of one medium along a ray by 3D-DDA (Amanatides and Woo 1987); t in world units.
 struct MajorantWalk {
-    float majorant;  // bound of the density from the current t to t_next
+    float majorant;  // bounds of the density from the current t to t_next
+    float minorant;
     float t_next;
     float t_leave;  // of the grid's box
     vec3 t_cross;   // where the next cell boundary lies on each axis
@@ -42,12 +33,13 @@ struct MajorantWalk {
 FN void majorant_load(const_in(SceneView) scene, const_in(Medium) m, inout(MajorantWalk) w) {
     uint index = uint(w.cell.x) + uint(m.majorant_size.x) * (uint(w.cell.y) + uint(m.majorant_size.y) * uint(w.cell.z));
     w.majorant = scene.floats.at[m.majorant_first + index];
+    w.minorant = scene.floats.at[m.minorant_first + index];
     w.t_next = min(min(w.t_cross.x, min(w.t_cross.y, w.t_cross.z)), w.t_leave);
 }
 
 FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, vec3 origin, vec3 direction,
                                float t_max) {
-    MajorantWalk w = MajorantWalk(1.0f, t_max, t_max, vec3(t_max), vec3(0.0f), ivec3(0), ivec3(0), false);
+    MajorantWalk w = MajorantWalk(1.0f, 1.0f, t_max, t_max, vec3(t_max), vec3(0.0f), ivec3(0), ivec3(0), false);
     if (m.grid == NONE) return w;
     RECORD(DensityGrid) grid = scene.grids.at[m.grid];
     vec3 o = m.world_to_grid * vec4(origin, 1.0f);
@@ -67,6 +59,7 @@ FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, ve
     }
     if (!(t0 < t1)) {
         w.majorant = 0.0f;
+        w.minorant = 0.0f;
         w.t_leave = -1.0f;
         return w;
     }
@@ -91,6 +84,7 @@ FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, ve
     }
     if (t0 > 0.0f) {  // empty space in front of the grid is a cell of its own
         w.majorant = 0.0f;
+        w.minorant = 0.0f;
         w.t_next = t0;
         w.before_grid = true;
         return w;
@@ -102,6 +96,7 @@ FN MajorantWalk majorant_begin(const_in(SceneView) scene, const_in(Medium) m, ve
 FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_max, inout(MajorantWalk) w) {
     if (m.grid == NONE || w.t_next >= w.t_leave) {  // behind the grid
         w.majorant = m.grid == NONE ? 1.0f : 0.0f;
+        w.minorant = w.majorant;
         w.t_next = t_max;
         w.t_leave = -1.0f;
         return;
@@ -121,6 +116,7 @@ FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_
     if (w.cell.x < 0 || w.cell.y < 0 || w.cell.z < 0 || w.cell.x >= m.majorant_size.x ||
         w.cell.y >= m.majorant_size.y || w.cell.z >= m.majorant_size.z) {
         w.majorant = 0.0f;
+        w.minorant = 0.0f;
         w.t_next = t_max;
         w.t_leave = -1.0f;
         return;
@@ -132,16 +128,21 @@ FN void majorant_advance(const_in(SceneView) scene, const_in(Medium) m, float t_
 struct MediaWalk {
     MajorantWalk walks[8];  // of ActiveMedia::ids
     vec3 majorant;
+    vec3 control;  // extinction that shadow rays take in closed form
+    uint transmittance;
     float t;
     float t_next;
 };
 
 FN void media_walk_bound(const_in(SceneView) scene, const_in(ActiveMedia) media, float t_max, inout(MediaWalk) w) {
     w.majorant = vec3(0.0f);
+    w.control = vec3(0.0f);
     w.t_next = t_max;
     for (uint i = 0u; i < media.count; ++i) {
         RECORD(Medium) m = scene.media.at[media.ids[i]];
         vec3 extinction = m.scattering + m.absorption;
+        if (media.homogeneous) w.control += extinction;
+        else if (w.transmittance == TRANSMITTANCE_RESIDUAL) w.control += w.walks[i].minorant * extinction;
         if (!media.homogeneous) extinction = max(extinction, vec3(m.emission_rate));
         w.majorant += w.walks[i].majorant * extinction;
         w.t_next = min(w.t_next, w.walks[i].t_next);
@@ -149,8 +150,9 @@ FN void media_walk_bound(const_in(SceneView) scene, const_in(ActiveMedia) media,
 }
 
 FN MediaWalk media_walk_begin(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction,
-                              float t_max) {
+                              float t_max, uint transmittance) {
     MediaWalk w;
+    w.transmittance = transmittance;
     w.t = 0.0f;
     for (uint i = 0u; i < media.count; ++i)
         w.walks[i] = majorant_begin(scene, scene.media.at[media.ids[i]], origin, direction, t_max);
@@ -237,18 +239,12 @@ FN vec3 homogeneous_emission(const_in(SceneView) scene, const_in(ActiveMedia) me
     return total;
 }
 
-struct MediumEvent {
-    bool scattered;  // a real collision before t_max
-    float t;
-    uint medium;   // whose phase function applies
-    vec3 emitted;  // radiance gathered on the way, weighted
-    bool bound_reached;
-};
-
 // Follows the segment (0, t_max) of a ray with unit direction: the first real collision, or passage. Weights are
 // updated for either; a collision multiplies by σs, so that absorption never ends a path by chance.
 FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction,
-                            float t_max, inout(SpectralWeights) w, inout(Rng) rng) {
+                            float t_max, float u, uint transmittance, inout(SpectralWeights) w, inout(Rng) rng) {
+    if (media.count == 1u && is_grey(scene.media.at[media.ids[0]]) && is_black(media.absorption))
+        return sample_grey_medium(scene, media.ids[0], origin, direction, t_max, u, transmittance, w, rng);
     MediumEvent event = MediumEvent(false, t_max, NONE, vec3(0.0f), false);
     if (media.count == 0u) {
         if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
@@ -256,7 +252,7 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
     }
     if (media.emissive && media.homogeneous)
         event.emitted = homogeneous_emission(scene, media, t_max) * w.throughput / average(w.r_path);
-    MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
+    MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max, transmittance);
     float t = 0.0f;
     uint iteration = 0u;
     for (; iteration < MAX_MEDIUM_STEPS; ++iteration) {
@@ -267,7 +263,9 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
                 vec3 passed = relative_transmittance(walk.majorant, walk.t_next - t, w.hero);
                 w.throughput *= passed;
                 w.r_path *= passed;
-                w.r_light *= media.homogeneous ? vec3(exp(bound * (walk.t_next - t))) : passed;
+                w.r_light *=
+                    exp(min((walk.control + component(walk.majorant, w.hero) - walk.majorant) * (walk.t_next - t),
+                            vec3(MOST_CONTROLLED)));
             }
             t = walk.t_next;
             if (t >= t_max) break;
@@ -302,7 +300,11 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
         }
         w.throughput *= passed * null_collision / p;
         w.r_path *= passed * null_collision / p;
-        w.r_light *= passed * walk.majorant / p;
+        w.r_light *= passed *
+                     (transmittance == TRANSMITTANCE_DELTA
+                          ? null_collision
+                          : exp(min(walk.control * step, vec3(MOST_CONTROLLED))) * (walk.majorant - walk.control)) /
+                     p;
     }
     event.bound_reached = iteration >= MAX_MEDIUM_STEPS;
     if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * event.t);
@@ -313,7 +315,7 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
 // which a free flight would have passed, r_light by that of this very estimate. Begin with all weights 1.
 // Returns whether a safety bound was reached.
 FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction, float t_max,
-                  inout(SpectralWeights) w, inout(Rng) rng) {
+                  uint transmittance, inout(SpectralWeights) w, inout(Rng) rng) {
     if (!is_black(media.absorption)) w.throughput *= exp(-media.absorption * t_max);
     if (media.count == 0u) return false;
     if (media.homogeneous) {
@@ -327,39 +329,55 @@ FN bool attenuate(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 o
         w.r_path *= transmittance;
         return false;
     }
-    MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max);
+    if (media.count == 1u && is_grey(scene.media.at[media.ids[0]]))
+        return attenuate_grey_medium(scene, media.ids[0], origin, direction, t_max, transmittance, w, rng);
+    MediaWalk walk = media_walk_begin(scene, media, origin, direction, t_max, transmittance);
     float t = 0.0f;
     for (uint iteration = 0u; iteration < MAX_MEDIUM_STEPS; ++iteration) {
-        float bound = component(walk.majorant, w.hero);
-        float step = bound > 0.0f ? -log(1.0f - rng_1d(rng)) / bound : INFINITE;
-        if (!(t + step < walk.t_next)) {
-            if (walk.t_next > t && !is_black(walk.majorant)) {
-                vec3 passed = relative_transmittance(walk.majorant, walk.t_next - t, w.hero);
-                w.throughput *= passed;
-                w.r_path *= passed;
-                w.r_light *= passed;
-            }
+        vec3 rates = walk.majorant - walk.control;  // of collisions, in each channel
+        float rate = max(component(rates, w.hero), 0.0f);
+        float step = rate > 0.0f ? exponential(rng_1d(rng)) / rate : INFINITE;
+        bool passes = !(t + step < walk.t_next);
+        if (passes) step = walk.t_next - t;
+        if (step > 0.0f && !is_black(walk.majorant)) {
+            vec3 passed = exp((rate - walk.majorant) * step);
+            w.throughput *= passed;
+            w.r_path *= passed;
+            w.r_light *= exp((rate - rates) * step);
+        }
+        if (passes) {
             t = walk.t_next;
             if (t >= t_max) return false;
             media_walk_advance(scene, media, t_max, walk);
             continue;
         }
         t += step;
-        vec3 passed = relative_transmittance(walk.majorant, step, w.hero);
         MediumPoint point = media_at(scene, media, origin + t * direction);
         vec3 null_collision = max(walk.majorant - point.scattering - point.absorption, vec3(0.0f));
-        w.throughput *= passed * null_collision / bound;
-        w.r_path *= passed * null_collision / bound;
-        w.r_light *= passed * walk.majorant / bound;
-        if (is_black(w.throughput)) return false;
-        // Russian roulette on what is left keeps dense clouds cheap.
-        float left = max_component(w.throughput) / average(w.r_path + w.r_light);
-        if (left < 0.05f) {
-            if (rng_1d(rng) < 0.75f) {
+        if (transmittance == TRANSMITTANCE_DELTA) {
+            float p = component(null_collision, w.hero);
+            if (!(rng_1d(rng) * rate < p)) {
                 w.throughput = vec3(0.0f);
                 return false;
             }
-            w.throughput *= 4.0f;
+            w.throughput *= null_collision / p;
+            w.r_path *= null_collision / p;
+            w.r_light *= null_collision / p;
+            continue;
+        }
+        w.throughput *= null_collision / rate;
+        w.r_path *= null_collision / rate;
+        w.r_light *= rates / rate;
+        if (is_black(w.throughput)) return false;
+        // Russian roulette on what is left keeps dense clouds cheap.
+        float left = max_component(w.throughput) / average(w.r_path + w.r_light);
+        if (left < SHADOW_ROULETTE) {
+            float survive = left / SHADOW_ROULETTE;
+            if (!(rng_1d(rng) < survive)) {
+                w.throughput = vec3(0.0f);
+                return false;
+            }
+            w.throughput /= survive;
         }
     }
     w.throughput = vec3(0.0f);

@@ -25,6 +25,8 @@ KERNELS_BEGIN
 const uint MAX_PATH_SEGMENTS = 65536u;   // bounces and crossed interfaces of one path: a safety bound, counted
 const uint MAX_SHADOW_SEGMENTS = 4096u;  // interfaces crossed by one shadow ray
 
+const int WELL_PLACED_BOUNCES = 4;  // as many collisions of a path are placed by the sampler, not by chance
+
 const uint PATH_ALIVE = 1u;
 const uint PATH_SPECULAR = 2u;    // the last scattering was a delta: light sampling could not have made it
 const uint PATH_FIRST_SEEN = 4u;  // AOVs are recorded
@@ -206,8 +208,10 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
     if (state.inside.count > 0u) {
         ActiveMedia media = active_media(scene, state.inside);
         if (media.count > 0u || !is_black(media.absorption)) {
-            MediumEvent event = sample_media(scene, media, state.ray.origin, state.ray.direction,
-                                             is_hit(hit) ? hit.t : INFINITE, state.weights, state.rng);
+            float u = state.bounces < WELL_PLACED_BOUNCES ? sampler_1d(state.numbers) : rng_1d(state.rng);
+            MediumEvent event =
+                sample_media(scene, media, state.ray.origin, state.ray.direction, is_hit(hit) ? hit.t : INFINITE, u,
+                             settings.transmittance, state.weights, state.rng);
             state.radiance += event.emitted;
             if (event.bound_reached) state.flags |= PATH_BOUND_REACHED;
             if (is_black(state.weights.throughput)) {
@@ -322,7 +326,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
 }
 
 // What a connection brings home that nothing stops for sure.
-FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connection c) {
+FN vec3 path_connect(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, Connection c) {
     SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), state.weights.hero);
     if (c.inside.count > 0u || scene.pass_through_count > 0u) {
         Ray ray = c.ray;
@@ -335,7 +339,8 @@ FN vec3 path_connect(const_in(SceneView) scene, inout(PathState) state, Connecti
             if (scene.pass_through_count > 0u) hit = trace_closest(scene, ray, TRACE_PASS_THROUGH);
             if (c.inside.count > 0u) {
                 float way = hit.t == INFINITE ? INFINITE : hit.t * stretch;
-                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, w, rng))
+                if (attenuate(scene, active_media(scene, c.inside), ray.origin, direction, way, settings.transmittance,
+                              w, rng))
                     state.flags |= PATH_BOUND_REACHED;
             }
             if (is_black(w.throughput)) return vec3(0.0f);
@@ -375,7 +380,7 @@ FN void path_follow(const_in(SceneView) scene, const_in(PathSettings) settings, 
         if (i > 0u) hit = path_extend(scene, state);
         Connection c = path_shade(scene, settings, state, hit);
         if (c.valid && !trace_occluded(scene, c.ray))
-            state.radiance += clamped(settings, state, path_connect(scene, state, c));
+            state.radiance += clamped(settings, state, path_connect(scene, settings, state, c));
     }
 }
 

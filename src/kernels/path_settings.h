@@ -54,6 +54,10 @@ struct DvrSettings {
     uint jitter;
     uint shortcuts;
 };
+// How the light that a shadow ray through a medium keeps is estimated (medium.h).
+const uint TRANSMITTANCE_RATIO = 0u;     // product of the chances that collisions are none
+const uint TRANSMITTANCE_RESIDUAL = 1u;  // the same about the least extinction of a cell, which counts in closed form
+const uint TRANSMITTANCE_DELTA = 2u;     // all or nothing: the first real collision is a shadow
 
 struct PathSettings {
     uint seed;
@@ -63,6 +67,7 @@ struct PathSettings {
     PreviewSettings preview;
     MarchSettings march;
     DvrSettings dvr;
+    uint transmittance;  // TRANSMITTANCE_…
 };
 
 KERNELS_END

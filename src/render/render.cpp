@@ -120,7 +120,8 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
                      4,
                      preview_settings(scene),
                      march_settings(scene),
-                     scene.dvr};
+                     scene.dvr,
+                     std::uint32_t(scene.integrator.transmittance)};
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 

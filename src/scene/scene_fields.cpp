@@ -19,6 +19,10 @@ struct ChoiceNames<Erosion::Kind> {
     static constexpr std::string_view names[] = {"none", "value", "fbm", "value_noise", "perlin", "simplex"};
 };
 template <>
+struct ChoiceNames<Transmittance> {
+    static constexpr std::string_view names[] = {"ratio", "residual", "delta"};
+};
+template <>
 struct ChoiceNames<ToneMap> {
     static constexpr std::string_view names[] = {"linear", "aces", "agx"};
 };
@@ -103,6 +107,11 @@ const Record& integrator_record() {
                   "Scattering events of a path; 0: only light that is seen directly; −1: Russian roulette "
                   "alone ends it.",
                   {-1, 1 << 30}),
+            field(
+                "transmittance", &IntegratorSettings::transmittance,
+                "`path`: how shadow rays through media on grids estimate what is left of the light. All are unbiased: "
+                "`ratio` multiplies what every collision leaves; `residual` does so about the least density of a "
+                "neighbourhood, which counts in closed form; `delta` takes the first real collision as a shadow."),
             field("ao_radius", &IntegratorSettings::ao_radius,
                   "`ao`: how far rays look for what hides the sky; 0: a twentieth of the scene's diagonal. Voxels look "
                   "at "

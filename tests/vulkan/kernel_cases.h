@@ -241,7 +241,7 @@ FN CaseResult transmittance_case(const_in(SceneView) scene, uint i) {
     }
     ActiveMedia media = active_media(scene, inside);
     SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), i % 3u);
-    bool bound = attenuate(scene, media, origin, direction, way, w, r);
+    bool bound = attenuate(scene, media, origin, direction, way, i / 3u % 3u, w, r);
     return CaseResult(uvec4(bound ? 1u : 0u, media.count, 0u, 0u), vec4(w.throughput, w.r_path.x),
                       vec4(w.r_light, w.r_path.y));
 }

@@ -179,8 +179,8 @@ class CpuDevice : public Device {
         unsigned clear = asked & ~cpu_trace_any8(view_, rays, asked, kernels::TRACE_SOLID);
         for (; clear; clear &= clear - 1) {
             const int i = std::countr_zero(clear);
-            states[i].radiance +=
-                kernels::clamped(settings, states[i], kernels::path_connect(view_, states[i], connections[i]));
+            states[i].radiance += kernels::clamped(settings, states[i],
+                                                   kernels::path_connect(view_, settings, states[i], connections[i]));
         }
     }
 
