@@ -71,6 +71,7 @@ class Collapse {
             c.count = l.count + r.count;
             for (std::uint32_t i = 2; i <= width; ++i) {
                 c.cost[i - 1] = std::numeric_limits<float>::infinity();
+                c.left[i - 1] = 1;  // also where areas are beyond what floats hold, and no cost is less than another
                 for (std::uint32_t k = 1; k < i; ++k)
                     if (const float cost = l.cost[k - 1] + r.cost[i - k - 1]; cost < c.cost[i - 1]) {
                         c.cost[i - 1] = cost;

@@ -23,8 +23,8 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
 
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
-                                     settings.transmittance);
+    PathSettings seen =
+        PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr, settings.transmittance);
     path_follow(scene, seen, state, hit);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);

@@ -25,6 +25,7 @@ double smoothstep(double low, double high, double x) {
 
 // Uniform in [0, 1), another for each pair of whole parts.
 double random(double a, double b) {
+    if (!std::isfinite(a) || !std::isfinite(b)) return std::nan("");
     const auto bits = [](double x) { return kernels::uint(std::int64_t(std::floor(std::clamp(x, -1e15, 1e15)))); };
     return kernels::uint_to_unit_float(kernels::hash_combine(kernels::hash_uint(bits(a)), bits(b)));
 }

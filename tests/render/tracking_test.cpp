@@ -70,18 +70,18 @@ TEST(Tracking, estimators_of_transmittance_agree_in_grey_and_in_coloured_media) 
 
 TEST(Tracking, the_walk_of_one_grey_medium_equals_that_of_many) {
     // Twice half of it is the same; only one alone takes the short way.
-    const std::string medium = R"("density": "grid", "scattering": 7, "absorption": [1, 1, 1], "g": 0.4, "emission": 1)";
+    const std::string medium =
+        R"("density": "grid", "scattering": 7, "absorption": [1, 1, 1], "g": 0.4, "emission": 1)";
     const std::string half =
         R"("density": "grid", "scattering": 3.5, "absorption": [0.5, 0.5, 0.5], "g": 0.4, "emission": 0.5)";
     for (const char* name : estimators) {
-        const TestPicture one =
-            render_text(grid_scene(estimator(name), lamps + "\"media\": {\"m\": {" + medium + "}}, " + volume_and_lamp),
+        const TestPicture one = render_text(
+            grid_scene(estimator(name), lamps + "\"media\": {\"m\": {" + medium + "}}, " + volume_and_lamp), 32);
+        const TestPicture two =
+            render_text(grid_scene(estimator(name), lamps + "\"media\": {\"m\": {" + half + "}, \"n\": {" + half +
+                                                        "}}, " + volume_and_lamp.substr(0, volume_and_lamp.size() - 1) +
+                                                        R"(, {"geometry": "grid", "interior": "n"}])"),
                         32);
-        const TestPicture two = render_text(
-            grid_scene(estimator(name), lamps + "\"media\": {\"m\": {" + half + "}, \"n\": {" + half + "}}, " +
-                                            volume_and_lamp.substr(0, volume_and_lamp.size() - 1) +
-                                            R"(, {"geometry": "grid", "interior": "n"}])"),
-            32);
         expect_same(one, two);
     }
 }
@@ -108,9 +108,7 @@ struct NaiveCloud {
     std::mt19937 random{5};
     double draw() { return std::uniform_real_distribution<double>(0, 1)(random); }
 
-    bool inside(dvec3 p) const {
-        return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < edge && p.y < edge && p.z < edge;
-    }
+    bool inside(dvec3 p) const { return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < edge && p.y < edge && p.z < edge; }
     // Plain delta tracking by the one bound of the whole grid (Woodcock 1965). False: out of the box.
     bool flight(dvec3& p, dvec3 d) {
         while (true) {

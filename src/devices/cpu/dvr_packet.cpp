@@ -18,6 +18,7 @@ using kernels::DvrSpan;
 using kernels::uint;
 
 constexpr int highlight_entries = 1024;
+constexpr double most_samples = 1 << 29;  // of a copy of the volume in 16 bits, 1 GiB; larger ones go by the kernel
 
 bool any(Int8 lanes) {
 #ifdef __AVX2__
@@ -74,8 +75,10 @@ std::unique_ptr<DvrPackets> DvrPackets::make(const CompiledScene& scene, const k
     if (settings.medium == kernels::NONE || settings.mode != kernels::DVR_COMPOSITE || settings.shadow > 0) return {};
     const kernels::DensityGrid& grid = scene.grids[scene.media[settings.medium].grid];
     const double samples = double(grid.size.x + 4) * (grid.size.y + 4) * (grid.size.z + 4);
-    if (grid.filter_kind != kernels::FILTER_TRILINEAR || samples >= double(1u << 31)) return {};
-    return std::unique_ptr<DvrPackets>(new DvrPackets(scene, settings));
+    if (grid.filter_kind != kernels::FILTER_TRILINEAR || samples >= most_samples) return {};
+    std::unique_ptr<DvrPackets> packets(new DvrPackets(scene, settings));
+    if (packets->volume_.is_coarse()) return {};
+    return packets;
 }
 
 DvrPackets::DvrPackets(const CompiledScene& scene, const kernels::DvrSettings& settings)
@@ -203,6 +206,7 @@ void DvrPackets::composite(const Rays& rays, Seen& seen) const {
             int leap = 1 << 20;
             for (int i = 0; i < 8; ++i)
                 if (alive[i]) leap = std::min(leap, steps[i]);
+                else if (rays.first[i] > k && seen.left[i] > 0) leap = std::min(leap, rays.first[i] - k);
             known = false;
             k += leap;
             continue;

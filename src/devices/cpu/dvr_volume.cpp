@@ -58,6 +58,7 @@ DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings&
     const bool integers =
         high - low <= 65535 && std::all_of(whole.begin(), whole.end(), [](std::uint8_t w) { return w != 0; });
     const float unit = integers || !(high > low) ? 1.0f : (high - low) / 65535;
+    integers_ = integers;
     to_place_ = unit * settings.scale;
     place_zero_ = (low - settings.low) * settings.scale;
     samples_.resize(std::size_t(layer_) * std::size_t(layers) + 2);
@@ -71,7 +72,8 @@ DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings&
                 }
     });
     // A step or a sample's neighbour may see as far as this.
-    const float along = glm::length(vec3(view.media.at[settings.medium].world_to_grid[0])) * settings.step;
+    const glm::mat3 rows = glm::transpose(glm::mat3(view.media.at[settings.medium].world_to_grid));
+    const float along = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])}) * settings.step;
     find_distances(view, settings, 1 + int(std::ceil(std::max(along, 1.0f))));
 }
 

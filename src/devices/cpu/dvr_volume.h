@@ -20,6 +20,10 @@ class DvrVolume {
 
     ivec3 size() const { return size_; }
 
+    // Whether a unit of the 16 bits is more than a quarter of an entry of the transfer function, since the volume's
+    // values reach far beyond those that are shown.
+    bool is_coarse() const { return to_place_ > 0.25f && !integers_; }
+
     // Entry of the transfer function at eight points of index space, which are first moved into the volume.
     Float8 place(Vec8 p) const;
     // Its gradient by central differences of a sample to each side, index space.
@@ -42,6 +46,7 @@ class DvrVolume {
     ivec3 size_ = {0, 0, 0};
     int row_ = 0, layer_ = 0;
     std::vector<std::uint16_t> samples_;
+    bool integers_ = false;                // 16 bits hold the values exactly
     float to_place_ = 1, place_zero_ = 0;  // entry = samples · to_place_ + place_zero_
     ivec3 bricks_ = {0, 0, 0};
     std::vector<std::uint8_t> distances_;

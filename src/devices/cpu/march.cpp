@@ -249,7 +249,6 @@ void MarchShortcuts::Data::fill_lattice(const kernels::Light& light, DepthLattic
                     const vec3 index = vec3(ivec3(i, j, int(k))) / lattice.per_index;
                     const vec3 p = to_world * vec4(index, 1);
                     const kernels::Arrival a = kernels::light_arrival(settings, light, p);
-                    if (kernels::is_black(a.value)) continue;
                     const vec3 d = tool.medium.world_to_grid * vec4(a.direction, 0);
                     float t0 = 0, t1 = std::min(a.distance, settings.shadow_reach);
                     if (!box_span(tool, index, d, t0, t1)) continue;
