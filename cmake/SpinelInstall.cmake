@@ -5,10 +5,12 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(room_headers
-    core/result.h
+    accel/bvh_builder.h
+    core/huge_pages.h core/result.h
+    geometry/mesh/mesh_structures.h
     devices/devices.h
     image/image_io.h image/pixels.h image/tone_map.h
-    kernels/constants.h kernels/materials/description.h kernels/path_settings.h kernels/pixel_sample.h kernels/portable.h kernels/ray.h kernels/scene_view.h
+    kernels/box.h kernels/bvh.h kernels/constants.h kernels/materials/description.h kernels/path_settings.h kernels/pixel_sample.h kernels/portable.h kernels/ray.h kernels/scene_view.h
     render/device.h render/film.h render/render.h
     scene/compiled_scene.h scene/material_registry.h)
 foreach(header IN LISTS room_headers)

@@ -35,8 +35,8 @@ TEST_F(CliBench, every_structure_sees_the_same_and_is_timed) {
     }
     EXPECT_EQ(rays, (std::set<std::string>{"scene primary", "scene diffuse", "scene shadow", "voxels primary",
                                            "voxels diffuse"}));
-    for (const char* name :
-         {"wide-bvh8", "wide-bvh8, 8 rays", "64-tree", "64-tree, 8 rays", "64-tree, kernel", "dense 3D-DDA"})
+    for (const char* name : {"wide-bvh8", "wide-bvh8, 8 rays", "64-tree", "64-tree, packets", "64-tree, stream",
+                             "64-tree, one ray", "64-tree, kernel", "dense 3D-DDA"})
         EXPECT_TRUE(structures.contains(name)) << name;
 }
 
