@@ -5,6 +5,7 @@
 //
 // A walk is written once and compiled anew (FN_ANEW) for the nearest hit and for any, for the usual test and for one
 // that is told at run time, with counters and, where nobody reads them, without.
+#include "box.h"
 #include "triangle.h"
 #include "triangle_plane.h"
 #include "triangle_unit.h"
