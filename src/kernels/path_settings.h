@@ -11,12 +11,20 @@ struct PreviewSettings {
     float glow_radius;  // world units; 0: four voxels of the set
 };
 
+// What `heatmap` and `depth` are asked for.
+struct GaugeSettings {
+    int counter;      // HEATMAP_… (heatmap.h)
+    float most;       // the count that has the hottest colour
+    float depth_end;  // world units: the distance that is black
+};
+
 struct PathSettings {
     uint seed;
     int max_bounces;     // scattering events; −1: no limit
     float clamp;         // most that a path may add after its second scattering; 0: no limit
     int roulette_start;  // first bounce that Russian roulette may end
     PreviewSettings preview;
+    GaugeSettings gauge;
 };
 
 KERNELS_END

@@ -93,6 +93,16 @@ const Record& integrator_record() {
                   "`ao`, `faces`, `cone`: strength of the halo about voxels that emit; 0: none.", non_negative),
             field("glow_radius", &IntegratorSettings::glow_radius, "Reach of that halo; 0: four voxels of the set.",
                   non_negative, "scene units"),
+            field(
+                "heat_counter", &IntegratorSettings::heat_counter,
+                "`heatmap`: what is counted. 0: all together, 1: nodes and cells visited, 2: boxes and planes tested, "
+                "3: triangles tested.",
+                {0, 3}),
+            field("heat_most", &IntegratorSettings::heat_most, "`heatmap`: the count that has the hottest colour.",
+                  {1, 1e9}),
+            field("depth_end", &IntegratorSettings::depth_end,
+                  "`depth`: the distance that is black; 0: the far end of what is bounded.", non_negative,
+                  "scene units"),
         });
     return table;
 }
