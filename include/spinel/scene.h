@@ -321,6 +321,10 @@ struct IntegratorSettings {
     float glow_radius = 0;  // world units; 0: four voxels of the set
     MarchOptions march;     // of single-scatter
     DvrOptions dvr;         // of dvr
+    // Of `heatmap` and `depth`:
+    int heat_counter = 0;   // 0: all together, 1: nodes and cells, 2: boxes, 3: triangles
+    float heat_most = 150;  // what has the hottest colour
+    float depth_end = 0;    // world units: what is black; 0: the far end of the scene
 };
 
 // What meshes are built into and how rays are tested against their triangles; pictures are the same but for rounding.

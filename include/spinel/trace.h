@@ -35,6 +35,7 @@ static_assert(sizeof(TraceHit) == 12 * 4);
 
 enum class TraceMethod {
     walk,         // as pictures are made: each ray through the structures that the scene was compiled into
+    stream,       // all rays together from cell to cell of uniform grids; meshes have to be built into "grid"
     brute_force,  // the naive twin: every primitive in double precision, to test the others against
 };
 
@@ -52,10 +53,20 @@ const std::vector<Accelerator>& accelerators();
 // By name, or an error that lists what there is.
 Result<const Accelerator*> find_accelerator(const std::string& name);
 
+// How many rays were in which state in one pass of the streaming walk, all batches together.
+struct StreamPass {
+    std::uint64_t active = 0;    // have tested a cell's triangles and walk on
+    std::uint64_t waiting = 0;   // stand in a cell whose triangles they test in this pass
+    std::uint64_t inactive = 0;  // have found what they look for
+    std::uint64_t overflow = 0;  // stand in a cell and find no room to test in this pass
+    std::uint64_t dead = 0;      // have found nothing
+};
+
 struct TraceOptions {
     TraceMethod method = TraceMethod::walk;
     bool any = false;  // ask only whether something is hit: t = 0 if so, and all else as in a miss
     int threads = 0;   // 0: as many as the machine has
+    std::vector<StreamPass>* passes = nullptr;  // of TraceMethod::stream: what is added to
 };
 
 // An interface without a material (the boundary of a mere volume) is no hit: the ray goes on behind it. Rays

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/bench/bench_rays.h"
+#include "cli/bench/bench_report.h"
+#include "cli/bench/bench_scaling.h"
 #include "cli/bench/bench_structure.h"
 #include "cli/bench/volume_bench.h"
 #include "cli/bench/world_mesh.h"
@@ -19,7 +19,6 @@
 namespace spinel::cli {
 namespace {
 
-using kernels::Hit;
 using kernels::Ray;
 
 struct Options {
@@ -29,69 +28,10 @@ struct Options {
     double fov = 60;
     int size = 512;
     int repeats = 5;
+    MeshBench meshes;
+    bool scaling = false;
+    std::string html;
 };
-
-struct Row {
-    std::string subject, structure, rays;
-    double build_ms, bytes, mrays_per_s;
-    double differing;  // share of rays that see something else than the first structure does
-};
-
-double cpu_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
-using Trace = std::function<void(std::span<const Ray>, Hit*)>;
-
-// The median of several runs, one thread. Hits are written over those of the batch before, as a renderer does: what is
-// measured is the walk, not the memory.
-double rays_per_second(const Trace& trace, std::span<const Ray> rays, int repeats) {
-    constexpr std::size_t batch = 1024;
-    std::vector<Hit> hits(batch);
-    std::vector<double> seconds;
-    for (int i = 0; i < repeats; ++i) {
-        const double start = cpu_seconds();
-        for (std::size_t k = 0; k < rays.size(); k += batch)
-            trace(rays.subspan(k, std::min(batch, rays.size() - k)), hits.data());
-        seconds.push_back(cpu_seconds() - start);
-    }
-    std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
-    return double(rays.size()) / seconds[std::size_t(repeats) / 2];
-}
-
-std::vector<Ray> every(std::size_t stride, const std::vector<Ray>& rays) {
-    std::vector<Ray> some;
-    for (std::size_t i = 0; i + 8 <= rays.size(); i += 8 * stride)
-        some.insert(some.end(), rays.begin() + std::ptrdiff_t(i), rays.begin() + std::ptrdiff_t(i) + 8);
-    return some;
-}
-
-bool same(const Hit& a, const Hit& b, bool any) {
-    if (kernels::is_hit(a) != kernels::is_hit(b)) return false;
-    return any || !kernels::is_hit(a) || (a.cell == b.cell && std::abs(a.t - b.t) <= 1e-4f * std::abs(a.t));
-}
-
-void measure(const std::string& subject, const std::vector<BenchStructure>& structures, const std::string& kind,
-             const std::vector<Ray>& rays, bool any, int repeats, std::vector<Row>& rows) {
-    if (rays.size() < 8) return;
-    const auto trace_of = [any](const BenchStructure& s) { return any && s.any ? s.any : s.closest; };
-    std::vector<Hit> expected(rays.size());
-    trace_of(structures.front())(rays, expected.data());
-    for (const BenchStructure& s : structures) {
-        const std::vector<Ray> some = every(s.stride, rays);
-        Row row{subject, s.name, kind, s.build_ms, s.bytes, 0, 0};
-        row.mrays_per_s = 1e-6 * rays_per_second(trace_of(s), some, repeats);
-        std::vector<Hit> found(some.size());
-        trace_of(s)(some, found.data());
-        std::size_t differing = 0;
-        for (std::size_t i = 0; i < found.size(); ++i)
-            differing += !same(expected[i / 8 * 8 * s.stride + i % 8], found[i], any);
-        row.differing = double(differing) / double(found.size());
-        rows.push_back(row);
-    }
-}
 
 // The set of voxels that the scene shows, if it is one alone; and its first instance.
 const VoxelGeometry* only_voxels(const Scene& scene, const CompiledScene& compiled, kernels::uint& instance) {
@@ -117,41 +57,16 @@ std::vector<LookUpRow> volume_rows(const Scene& scene, const CompiledScene& comp
     return {};
 }
 
-void print(const Options& o, const CommonOptions& common, const std::vector<Row>& rows,
-           const std::vector<LookUpRow>& look_ups) {
-    if (common.json) {
-        nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const Row& row : rows)
-            list.push_back({{"subject", row.subject},
-                            {"structure", row.structure},
-                            {"rays", row.rays},
-                            {"mrays_per_s", row.mrays_per_s},
-                            {"build_ms", row.build_ms},
-                            {"bytes", row.bytes},
-                            {"differing", row.differing}});
-        nlohmann::ordered_json json = {{"rows", list}};
-        for (const LookUpRow& row : look_ups)
-            json["look_ups"].push_back({{"structure", row.structure},
-                                        {"places", row.places},
-                                        {"mlookups_per_s", row.mlookups_per_s},
-                                        {"bytes", row.bytes},
-                                        {"bytes_per_voxel", row.bytes_per_voxel},
-                                        {"difference", row.difference}});
-        fmt::print("{}\n", json_text(json, 2));
-        return;
-    }
-    fmt::print("{}: one thread, median of {}, processor time\n", o.voxels.empty() ? o.input : o.voxels, o.repeats);
-    fmt::print("{:<8} {:<20} {:<8} {:>9} {:>11} {:>13} {:>9}\n", "subject", "structure", "rays", "Mrays/s", "build ms",
-               "bytes", "differ");
-    for (const Row& row : rows)
-        fmt::print("{:<8} {:<20} {:<8} {:>9.3f} {:>11.2f} {:>13.0f} {:>8.4f}%\n", row.subject, row.structure, row.rays,
-                   row.mrays_per_s, row.build_ms, row.bytes, 100 * row.differing);
-    if (look_ups.empty()) return;
-    fmt::print("{:<8} {:<20} {:<8} {:>9} {:>13} {:>13} {:>11}\n", "subject", "structure", "places", "M/s", "bytes",
-               "bytes/voxel", "difference");
-    for (const LookUpRow& row : look_ups)
-        fmt::print("{:<8} {:<20} {:<8} {:>9.3f} {:>13.0f} {:>13.3f} {:>11.2g}\n", "volume", row.structure, row.places,
-                   row.mlookups_per_s, row.bytes, row.bytes_per_voxel, row.difference);
+void measure(const std::string& subject, const std::vector<BenchStructure>& structures, const std::string& kind,
+             const std::vector<Ray>& rays, bool any, int repeats, std::vector<BenchRow>& rows) {
+    const Measurement measurement(subject, kind, rays, any, repeats, structures.front());
+    for (const BenchStructure& s : structures) measurement.add(s, rows);
+}
+
+std::size_t triangles_of(const CompiledScene& scene) {
+    std::size_t sum = 0;
+    for (const kernels::Mesh& mesh : scene.meshes) sum += mesh.triangle_count;
+    return sum;
 }
 
 Result<int> run(const Options& o, const CommonOptions& common) {
@@ -170,6 +85,11 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         camera.fov = float(o.fov);
         scene->cameras = {camera};
     }
+    if (!is_scene && scene->lights.empty()) {  // something for shadow rays to look for
+        DirectionalLight sun;
+        sun.direction = {-1, -2, -0.7f};
+        scene->lights.push_back({"sun", sun});
+    }
     scene->film.size = {o.size, o.size};
     if (scene->cameras.empty()) fit_camera(*scene);
     if (scene->cameras.empty())
@@ -180,7 +100,11 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     if (!compiled) return Error{fmt::format("{}: {}", name, compiled.error().message)};
     const double build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-    std::vector<Row> rows;
+    BenchReport report;
+    report.input = name;
+    report.repeats = o.repeats;
+    report.triangles = triangles_of(*compiled);
+    std::vector<BenchRow>& rows = report.rows;
     {
         const BenchRays rays = scene_rays(compiled->view(), o.size);
         std::vector<BenchStructure> structures = scene_structures(*compiled, scene->accelerator.structure, build_ms);
@@ -190,6 +114,19 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         measure("scene", structures, "primary", rays.primary, false, o.repeats, rows);
         measure("scene", structures, "diffuse", rays.diffuse, false, o.repeats, rows);
         measure("scene", structures, "shadow", rays.shadow, true, o.repeats, rows);
+        if (!compiled->meshes.empty()) {
+            MeshBench meshes = o.meshes;
+            meshes.repeats = o.repeats;
+            if (!o.html.empty()) meshes.heat_edge = std::min(o.size, 256);
+            Result<std::vector<HeatMap>> maps = bench_meshes(*scene, rays, meshes, rows);
+            if (!maps) return maps.error();
+            report.maps = std::move(*maps);
+            if (o.scaling) {
+                Result<std::vector<ScalingRow>> scaling = bench_scaling(*scene, meshes, o.size);
+                if (!scaling) return scaling.error();
+                report.scaling = std::move(*scaling);
+            }
+        }
     }
     kernels::uint instance = 0;
     if (const VoxelGeometry* voxels = only_voxels(*scene, *compiled, instance)) {
@@ -198,7 +135,10 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         measure("voxels", structures, "primary", rays.primary, false, o.repeats, rows);
         measure("voxels", structures, "diffuse", rays.diffuse, false, o.repeats, rows);
     }
-    print(o, common, rows, volume_rows(*scene, *compiled, o.repeats));
+    report.look_ups = volume_rows(*scene, *compiled, o.repeats);
+    if (!o.html.empty())
+        if (const Result<void> written = write_html(report, o.html); !written) return written.error();
+    fmt::print("{}", common.json ? rows_json(report) + "\n" : table_text(report));
     return int(exit_ok);
 }
 
@@ -228,7 +168,16 @@ std::function<int()> bench_command(CLI::App& app, const CommonOptions& common) {
     app.add_option("--repeats", o->repeats, "runs, of which the median counts")
         ->check(CLI::Range(1, 99))
         ->capture_default_str();
+    app.add_option("--structures", o->meshes.structures, "only these of `spinel list accelerators`, by commas")
+        ->delimiter(',');
+    app.add_option("--triangle-test", o->meshes.triangle_test, "`spinel list triangle-tests` (default: the scene's)");
+    app.add_flag("--scaling", o->scaling, "also how structures grow, on coarser versions of the largest mesh");
+    app.add_option("--html", o->html, "a page with charts and heat maps, one file");
     return [o, &common] {
+        for (const std::string& name : o->meshes.structures)
+            if (const auto found = find_mesh_structure(name); !found) return fail(found.error(), exit_usage);
+        if (const auto found = find_triangle_test(o->meshes.triangle_test); !found)
+            return fail(found.error(), exit_usage);
         if (o->input.empty() && o->voxels.empty())
             return fail({"FILE is required; see spinel bench --help"}, exit_usage);
         if (o->from.size() != o->at.size()) return fail({"--from needs --at"}, exit_usage);

@@ -45,6 +45,8 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     if (!compiled) return Error{fmt::format("{}: {}", input, compiled.error().message)};
     const Result<std::vector<TraceRay>> rays = read_rays_npy(o.rays);
     if (!rays) return rays.error();
+    std::vector<StreamPass> passes;
+    trace.passes = &passes;
     const auto start = std::chrono::steady_clock::now();
     const Result<std::vector<TraceHit>> hits = trace_rays(compiled->view(), *rays, trace);
     if (!hits) return hits.error();
@@ -54,14 +56,20 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     for (const TraceHit& hit : *hits) hit_count += hit.t < kernels::INFINITE;
     const std::string name = o.accelerator.empty() ? scene->accelerator.structure : o.accelerator;
     const double rate = 1e-6 * double(rays->size()) / std::max(seconds, 1e-9);
-    if (common.json)
-        fmt::print("{}\n", nlohmann::ordered_json({{"rays", rays->size()},
-                                                   {"hits", hit_count},
-                                                   {"seconds", seconds},
-                                                   {"mrays_per_s", rate},
-                                                   {"accelerator", name}})
-                               .dump());
-    else if (!common.quiet)
+    if (common.json) {
+        nlohmann::ordered_json json = {{"rays", rays->size()},
+                                       {"hits", hit_count},
+                                       {"seconds", seconds},
+                                       {"mrays_per_s", rate},
+                                       {"accelerator", name}};
+        for (const StreamPass& pass : passes)
+            json["passes"].push_back({{"active", pass.active},
+                                      {"waiting", pass.waiting},
+                                      {"inactive", pass.inactive},
+                                      {"overflow", pass.overflow},
+                                      {"dead", pass.dead}});
+        fmt::print("{}\n", json.dump());
+    } else if (!common.quiet)
         fmt::print(stderr, "{} rays, {} hits, {:.3f} s, {:.2f} Mrays/s ({})\n", rays->size(), hit_count, seconds, rate,
                    name);
     return int(exit_ok);

@@ -4,6 +4,7 @@
 // function here or in a header of its own, and one row in integrator_table.h; the devices, `spinel list integrators`,
 // the scene file and the command line follow from it.
 #include "dvr.h"
+#include "heatmap.h"
 #include "integrator_table.h"
 #include "path.h"
 #include "preview_ao.h"
@@ -23,8 +24,8 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
 
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen =
-        PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr, settings.transmittance);
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
+                                     settings.transmittance, settings.gauge);
     path_follow(scene, seen, state, hit);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
@@ -49,6 +50,30 @@ FN PixelSample integrate_single_scatter(const_in(SceneView) scene, const_in(Path
 
 FN PixelSample integrate_dvr(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
     return dvr(scene, settings.dvr, state.ray, hit, state.numbers);
+}
+
+FN PixelSample integrate_direct(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    PathSettings once = settings;
+    once.max_bounces = settings.max_bounces < 0 ? 1 : min(settings.max_bounces, 1);
+    path_follow(scene, once, state, hit);
+    return path_sample(state);
+}
+
+// From white at the camera to black at the end of what is gauged; black where nothing is.
+FN PixelSample integrate_depth(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
+                                     settings.transmittance, settings.gauge);
+    path_follow(scene, seen, state, hit);
+    float near = state.first.object == NONE ? 0.0f : max(1.0f - state.first.depth / settings.gauge.depth_end, 0.0f);
+    return PixelSample(vec3(near), state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
+}
+
+FN PixelSample integrate_heatmap(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
+                                     settings.transmittance, settings.gauge);
+    Ray ray = state.ray;
+    path_follow(scene, seen, state, hit);
+    return PixelSample(heatmap(scene, settings.gauge, ray), state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
 FN PixelSample integrate(const_in(SceneView) scene, const_in(PathSettings) settings, uint integrator,

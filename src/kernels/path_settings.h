@@ -59,6 +59,13 @@ const uint TRANSMITTANCE_RATIO = 0u;     // product of the chances that collisio
 const uint TRANSMITTANCE_RESIDUAL = 1u;  // the same about the least extinction of a cell, which counts in closed form
 const uint TRANSMITTANCE_DELTA = 2u;     // all or nothing: the first real collision is a shadow
 
+// What `heatmap` and `depth` are asked for.
+struct GaugeSettings {
+    int counter;      // HEATMAP_… (heatmap.h)
+    float most;       // the count that has the hottest colour
+    float depth_end;  // world units: the distance that is black
+};
+
 struct PathSettings {
     uint seed;
     int max_bounces;     // scattering events; −1: no limit
@@ -68,6 +75,7 @@ struct PathSettings {
     MarchSettings march;
     DvrSettings dvr;
     uint transmittance;  // TRANSMITTANCE_…
+    GaugeSettings gauge;
 };
 
 KERNELS_END

@@ -59,6 +59,13 @@ kernels::PreviewSettings preview_settings(const CompiledScene& scene) {
     return {ao_radius, i.ao_strength, scene.mip_first == kernels::NONE ? 0.0f : i.glow, i.glow_radius};
 }
 
+kernels::GaugeSettings gauge_settings(const CompiledScene& scene) {
+    const IntegratorSettings& i = scene.integrator;
+    const vec3 camera = scene.camera.camera_to_world[3];
+    const float far = glm::length(glm::max(glm::abs(scene.upper - camera), glm::abs(scene.lower - camera)));
+    return {i.heat_counter, i.heat_most, i.depth_end > 0 ? i.depth_end : std::max(far, 1e-20f)};
+}
+
 // Standard error of a tile over its brightness; dark tiles are judged against a fraction of the picture's brightness,
 // since nobody sees noise in black.
 double tile_error(const FilmBuffer& film, int tile, double picture_mean) {
@@ -121,7 +128,8 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
                      preview_settings(scene),
                      march_settings(scene),
                      scene.dvr,
-                     std::uint32_t(scene.integrator.transmittance)};
+                     std::uint32_t(scene.integrator.transmittance),
+                     gauge_settings(scene)};
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 

@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "geometry/mesh/mesh_structures.h"
 #include "kernels/traverse.h"
+#include "render/grid_stream.h"
 #include "render/reference.h"
 
 namespace spinel {
@@ -17,6 +18,7 @@ using kernels::Hit;
 using kernels::NONE;
 using kernels::Ray;
 using kernels::SceneView;
+using kernels::uint;
 
 // The two questions of a method.
 struct Walk {
@@ -93,6 +95,8 @@ const std::vector<Accelerator>& accelerators() {
     static const std::vector<Accelerator> rows = [] {
         std::vector<Accelerator> list;
         for (const MeshStructure& s : mesh_structures()) list.push_back({s.name, s.doc, s.name});
+        list.push_back({"grid-stream", "the uniform grid, all rays together from cell to cell, in passes", "grid",
+                        TraceMethod::stream});
         list.push_back({"brute-force",
                         "the naive twin: every primitive in double precision, to test the others against",
                         mesh_structures().front().name, TraceMethod::brute_force});
@@ -110,11 +114,74 @@ Result<const Accelerator*> find_accelerator(const std::string& name) {
     return Error{"unknown accelerator '" + name + "'; available: " + available};
 }
 
+namespace {
+
+// A grid, the record of its finest cells, and no grid within it.
+bool is_uniform_grid(const SceneView& scene, const kernels::Mesh& mesh) {
+    return mesh.walk == kernels::MESH_WALK_GRID && scene.words.at[mesh.reference_first] == 1;
+}
+
+// The streaming walk answers batches: rays that met an interface without a material go on in the next one.
+void trace_stream(const SceneView& scene, std::vector<Ray>& rays, std::vector<std::size_t>& names, bool any,
+                  std::vector<StreamPass>& passes, std::vector<TraceHit>& hits) {
+    std::vector<Hit> found(rays.size());
+    if (any) {
+        stream_trace(scene, rays, kernels::TRACE_SOLID, true, found.data(), passes);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (kernels::is_hit(found[i])) {
+                hits[names[i]].t = 0;
+                continue;
+            }
+            names[kept] = names[i];
+            rays[kept++] = rays[i];
+        }
+        rays.resize(scene.pass_through_count > 0 ? kept : 0);
+    }
+    while (!rays.empty()) {
+        stream_trace(scene, rays, any ? kernels::TRACE_PASS_THROUGH : kernels::TRACE_ALL, false, found.data(), passes);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (!kernels::is_hit(found[i])) continue;
+            if (material_of(scene, found[i]) != NONE) {
+                if (any) hits[names[i]].t = 0;
+                else hits[names[i]] = report(scene, found[i]);
+                continue;
+            }
+            names[kept] = names[i];
+            rays[kept] = rays[i];
+            rays[kept++].t_min = found[i].t;
+        }
+        rays.resize(kept);
+    }
+}
+
+}  // namespace
+
 Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const TraceRay> rays,
                                          const TraceOptions& options) {
-    const Walk walk = walk_of(options.method);
     std::vector<TraceHit> hits(rays.size(), miss);
     const ThreadLimit limit(options.threads);
+    if (options.method == TraceMethod::stream) {
+        for (uint i = 0; i < scene.instance_count; ++i) {
+            const kernels::Instance& instance = scene.instances.at[i];
+            if (instance.geometry_kind == kernels::GEOMETRY_MESH &&
+                !is_uniform_grid(scene, scene.meshes.at[instance.geometry]))
+                return Error{"the streaming walk needs meshes that are built into 'grid'"};
+        }
+        std::vector<Ray> usable;
+        std::vector<std::size_t> names;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction, std::min(rays[i].t_max, kernels::INFINITE));
+            if (!is_usable(ray)) continue;
+            usable.push_back(ray);
+            names.push_back(i);
+        }
+        std::vector<StreamPass> unread;
+        trace_stream(scene, usable, names, options.any, options.passes ? *options.passes : unread, hits);
+        return hits;
+    }
+    const Walk walk = walk_of(options.method);
     parallel_for(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             // Distances beyond INFINITE, +∞ among them, mean "no limit".

@@ -125,6 +125,16 @@ const Record& integrator_record() {
                   non_negative, "scene units"),
             by_hand("march", "march", "`single-scatter`: how it marches."),
             by_hand("dvr", "dvr", "`dvr`: what it shows, and how."),
+            field(
+                "heat_counter", &IntegratorSettings::heat_counter,
+                "`heatmap`: what is counted. 0: all together, 1: nodes and cells visited, 2: boxes and planes tested, "
+                "3: triangles tested.",
+                {0, 3}),
+            field("heat_most", &IntegratorSettings::heat_most, "`heatmap`: the count that has the hottest colour.",
+                  {1, 1e9}),
+            field("depth_end", &IntegratorSettings::depth_end,
+                  "`depth`: the distance that is black; 0: the far end of what is bounded.", non_negative,
+                  "scene units"),
         });
     return table;
 }

@@ -458,6 +458,10 @@ Result<void> validate(const Scene& scene) {
                           march.surface_shadow_reach, march.light_reach})
         if (!at_least_zero(x)) return Error{"march of integrator has a step or a reach that is negative or not finite"};
     if (const Fault f = fault(scene.integrator.dvr)) return Error{"dvr of integrator " + *f};
+    if (!at_least_zero(scene.integrator.depth_end) || !(scene.integrator.heat_most >= 1))
+        return Error{"integrator has a depth_end below 0 or a heat_most below 1"};
+    if (scene.integrator.heat_counter < 0 || scene.integrator.heat_counter > 3)
+        return Error{"integrator has a heat_counter that is none of 0, 1, 2 and 3"};
     if (scene.integrator.ao_strength > 1) return Error{"integrator has ao_strength above 1"};
     if (const Fault f = fault(scene.environment)) return error("environment", f);
     if (auto result = each("camera", scene.cameras); !result) return result;

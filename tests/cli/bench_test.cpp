@@ -40,7 +40,42 @@ TEST_F(CliBench, every_structure_sees_the_same_and_is_timed) {
         EXPECT_TRUE(structures.contains(name)) << name;
 }
 
+TEST_F(CliBench, structures_of_meshes_are_measured_counted_and_drawn) {
+    const std::string knot = std::string(SPINEL_SOURCE_DIR) + "/examples/knot.ply";
+    const Outcome outcome = run({"bench", knot, "--size", "32", "--repeats", "1", "--json", "--scaling", "--structures",
+                                 "bvh2,bvh2-stackless,kd-tree,grid,grid-hierarchical", "--html", at("report.html")});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json result = nlohmann::json::parse(outcome.out);
+    std::set<std::string> seen;
+    for (const auto& row : result.at("rows")) {
+        if (row.at("subject") != "meshes") continue;
+        seen.insert(row.at("structure").get<std::string>() + " " + row.at("rays").get<std::string>());
+        EXPECT_GT(row.at("mrays_per_s").get<double>(), 0) << row;
+        EXPECT_GT(row.at("build_ms").get<double>(), 0) << row;
+        EXPECT_GT(row.at("build_ms_two_threads").get<double>(), 0) << row;
+        EXPECT_GT(row.at("sah_cost").get<double>(), 1) << row;
+        EXPECT_GT(row.at("nodes_per_ray").get<double>(), 0) << row;
+        EXPECT_GT(row.at("tests_per_ray").get<double>(), 0) << row;
+        EXPECT_EQ(row.at("differing").get<double>(), 0) << row;
+    }
+    for (const char* structure : {"bvh2", "bvh2-stackless", "kd-tree", "grid", "grid-hierarchical"})
+        for (const char* rays : {"primary", "diffuse", "shadow"})
+            EXPECT_TRUE(seen.contains(std::string(structure) + " " + rays)) << structure << ' ' << rays;
+    EXPECT_EQ(seen.size(), 15u);
+    std::set<std::size_t> sizes;
+    for (const auto& row : result.at("scaling")) sizes.insert(row.at("triangles").get<std::size_t>());
+    EXPECT_GE(sizes.size(), 3u);
+    EXPECT_EQ(*sizes.rbegin(), 17920u);
+    // Whole in itself: nothing is fetched from elsewhere.
+    const std::string page = bytes_of(at("report.html"));
+    EXPECT_NE(page.find("<svg"), std::string::npos);
+    EXPECT_NE(page.find("data:image/png;base64,iVBORw0KGgo"), std::string::npos);
+    EXPECT_EQ(page.find("http"), std::string::npos);
+    EXPECT_EQ(page.find("nan"), std::string::npos);
+}
+
 TEST_F(CliBench, wrong_use_is_told) {
+    expect_complaint(run({"bench", "x.ply", "--structures", "bvh2,octree"}), 2, "unknown accelerator 'octree'");
     write("blocks.json", blocks);
     expect_complaint(run({"bench"}), 2, "FILE is required");
     expect_complaint(run({"bench", at("blocks.json"), "--from", "1,2,3"}), 2, "--from needs --at");

@@ -118,19 +118,20 @@ TEST(TraceRays, hits_are_reported_in_the_users_terms) {
 }
 
 TEST(TraceRays, interfaces_without_a_material_let_rays_pass) {
-    TestScene parts;
     const kernels::uint through = kernels::INSTANCE_PASS_THROUGH;
-    parts.place(kernels::GEOMETRY_BOX, 0, mat4x3(1), {{NO, 0}}, through);  // smoke …
-    parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(1)), affine(glm::mat3(2), vec3(0)), {{NO, 0}}, through);
-    parts.place(kernels::GEOMETRY_SPHERE, 0, affine(glm::mat3(0.5f), vec3(0)), {{3, NO}});  // … around a ball
-    const VoxelGeometry fog = voxels_of({3, 1, 1}, {1, 2, 1});
-    parts.place(kernels::GEOMETRY_VOXELS, parts.add(fog), affine(glm::mat3(1), vec3(0, 4, 0)), {{NO, 0}, {7, 1}},
-                through);
     const std::vector<TraceRay> rays = {{vec3(0, 0, -5), 0, vec3(0, 0, 1), INF},
                                         {vec3(0.8f, 0.1f, -5), 0, vec3(0, 0, 1), INF},
                                         {vec3(-1, 4.5f, 0.5f), 0, vec3(1, 0, 0), INF},
                                         {vec3(0.5f, 4.5f, -1), 0, vec3(0, 0, 1), INF}};
     for (const Accelerator& accelerator : accelerators()) {
+        TestScene parts;
+        parts.place(kernels::GEOMETRY_BOX, 0, mat4x3(1), {{NO, 0}}, through);  // smoke …
+        parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(1), {accelerator.structure, ""}),
+                    affine(glm::mat3(2), vec3(0)), {{NO, 0}}, through);
+        parts.place(kernels::GEOMETRY_SPHERE, 0, affine(glm::mat3(0.5f), vec3(0)), {{3, NO}});  // … around a ball
+        const VoxelGeometry fog = voxels_of({3, 1, 1}, {1, 2, 1});
+        parts.place(kernels::GEOMETRY_VOXELS, parts.add(fog), affine(glm::mat3(1), vec3(0, 4, 0)), {{NO, 0}, {7, 1}},
+                    through);
         const auto hits = trace_rays(parts.view(), rays, {.method = accelerator.method});
         const auto any = trace_rays(parts.view(), rays, {.method = accelerator.method, .any = true});
         ASSERT_TRUE(hits && any);

@@ -102,6 +102,11 @@ std::vector<BenchStructure> voxel_structures(const CompiledScene& scene, uint in
     list.push_back({"64-tree, kernel", 0, bytes, ray_by_ray([=](const Ray& ray, Hit& hit) {
                         kernels::voxels_closest(view, grid, slots, ray, hit);
                     })});
+    for (BenchStructure& s : list)
+        s.count = [=](const Ray& ray, bool) {
+            const VoxelWalkCount c = cpu_voxels_count(view, grid, slots, ray);
+            return kernels::WalkCount(c.nodes, 0u, c.cubes);
+        };
     const glm::dvec3 size(tree.size());
     if (size.x * size.y * size.z <= double(most_dense_cells)) {
         auto dense = std::make_shared<DenseVoxels>();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/voxels/dense_walk.h"
+#include "kernels/mesh_triangles.h"
 #include "scene/compiled_scene.h"
 #include "spinel/voxels.h"
 
@@ -20,6 +21,12 @@ struct BenchStructure {
     std::function<void(std::span<const kernels::Ray>, kernels::Hit*)> closest;
     std::function<void(std::span<const kernels::Ray>, kernels::Hit*)> any = {};  // missing: closest will do
     std::size_t stride = 1;                                                      // slow ones take every so many groups
+    // Of structures of meshes:
+    double build_ms_two_threads = 0;  // 0: not measured
+    double sah_cost = 0;  // what a ray that meets the bounds is expected to cost, in triangle tests; 0: unknown
+    std::uint32_t depth = 0;
+    std::string preset = {};                                                      // of the builder, if it has several
+    std::function<kernels::WalkCount(const kernels::Ray&, bool any)> count = {};  // what a ray costs
 };
 
 // Of the whole scene, in the order of the table; the first is what the others are compared with.

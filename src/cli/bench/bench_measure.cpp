@@ -1,0 +1,100 @@
+#include "cli/bench/bench_measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+namespace spinel::cli {
+namespace {
+
+using kernels::Hit;
+using kernels::Ray;
+
+double cpu_seconds() {
+    timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+using Trace = std::function<void(std::span<const Ray>, Hit*)>;
+
+// The median of several runs, one thread. Hits are written over those of the batch before, as a renderer does: what is
+// measured is the walk, not the memory.
+double rays_per_second(const Trace& trace, std::span<const Ray> rays, int repeats) {
+    constexpr std::size_t batch = 1024;
+    std::vector<Hit> hits(batch);
+    std::vector<double> seconds;
+    for (int i = 0; i < repeats; ++i) {
+        const double start = cpu_seconds();
+        for (std::size_t k = 0; k < rays.size(); k += batch)
+            trace(rays.subspan(k, std::min(batch, rays.size() - k)), hits.data());
+        seconds.push_back(cpu_seconds() - start);
+    }
+    std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
+    return double(rays.size()) / seconds[std::size_t(repeats) / 2];
+}
+
+std::vector<Ray> every(std::size_t stride, const std::vector<Ray>& rays) {
+    std::vector<Ray> some;
+    for (std::size_t i = 0; i + 8 <= rays.size(); i += 8 * stride)
+        some.insert(some.end(), rays.begin() + std::ptrdiff_t(i), rays.begin() + std::ptrdiff_t(i) + 8);
+    return some;
+}
+
+bool same(const Hit& a, const Hit& b, bool any) {
+    if (kernels::is_hit(a) != kernels::is_hit(b)) return false;
+    return any || !kernels::is_hit(a) || (a.cell == b.cell && std::abs(a.t - b.t) <= 1e-4f * std::abs(a.t));
+}
+
+const Trace& trace_of(const BenchStructure& s, bool any) { return any && s.any ? s.any : s.closest; }
+
+}  // namespace
+
+Measurement::Measurement(std::string subject, std::string kind, const std::vector<Ray>& rays, bool any, int repeats,
+                         const BenchStructure& first)
+    : subject_(std::move(subject)),
+      kind_(std::move(kind)),
+      rays_(rays),
+      any_(any),
+      repeats_(repeats),
+      expected_(rays.size()) {
+    if (!rays.empty()) trace_of(first, any)(rays, expected_.data());
+}
+
+void Measurement::add(const BenchStructure& s, std::vector<BenchRow>& rows) const {
+    if (rays_.size() < 8) return;
+    const std::vector<Ray> some = every(s.stride, rays_);
+    BenchRow row;
+    row.subject = subject_;
+    row.structure = s.name;
+    row.preset = s.preset;
+    row.rays = kind_;
+    row.build_ms = s.build_ms;
+    row.build_ms_two_threads = s.build_ms_two_threads;
+    row.sah_cost = s.sah_cost;
+    row.depth = s.depth;
+    row.bytes = s.bytes;
+    row.mrays_per_s = 1e-6 * rays_per_second(trace_of(s, any_), some, repeats_);
+    std::vector<Hit> found(some.size());
+    trace_of(s, any_)(some, found.data());
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        differing += !same(expected_[i / 8 * 8 * s.stride + i % 8], found[i], any_);
+    row.differing = double(differing) / double(found.size());
+    if (s.count) {
+        double nodes = 0, boxes = 0, tests = 0;
+        for (const Ray& ray : some) {
+            const kernels::WalkCount count = s.count(ray, any_);
+            nodes += count.steps;
+            boxes += count.boxes;
+            tests += count.tests;
+        }
+        const double n = double(some.size());
+        row.nodes_per_ray = nodes / n;
+        row.boxes_per_ray = boxes / n;
+        row.tests_per_ray = tests / n;
+    }
+    rows.push_back(row);
+}
+
+}  // namespace spinel::cli

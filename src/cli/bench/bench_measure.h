@@ -1,0 +1,38 @@
+#pragma once
+// Structures against one set of rays: how fast they are, what they count, and whether they see the same.
+
+#include <string>
+#include <vector>
+
+#include "cli/bench/bench_structure.h"
+
+namespace spinel::cli {
+
+// A row of the table, of `--json` and of the report.
+struct BenchRow {
+    std::string subject, structure, preset, rays;
+    double build_ms = 0, build_ms_two_threads = 0, sah_cost = 0;  // 0: unknown
+    std::uint32_t depth = 0;
+    double bytes = 0, mrays_per_s = 0;
+    double nodes_per_ray = -1, boxes_per_ray = -1, tests_per_ray = -1;  // below 0: not counted
+    double differing = 0;  // share of rays that see something else than the first structure does
+};
+
+class Measurement {
+  public:
+    // `first` says what there is to be seen.
+    Measurement(std::string subject, std::string kind, const std::vector<kernels::Ray>& rays, bool any, int repeats,
+                const BenchStructure& first);
+
+    // Measures one structure; nothing where there are no rays.
+    void add(const BenchStructure& structure, std::vector<BenchRow>& rows) const;
+
+  private:
+    std::string subject_, kind_;
+    const std::vector<kernels::Ray>& rays_;
+    bool any_;
+    int repeats_;
+    std::vector<kernels::Hit> expected_;
+};
+
+}  // namespace spinel::cli
