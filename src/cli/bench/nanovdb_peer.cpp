@@ -2,9 +2,7 @@
 // leaf's mask.
 
 #include <nanovdb/util/HDDA.h>
-#include <nanovdb/util/OpenToNanoVDB.h>
 #include <nanovdb/util/Ray.h>
-#include <openvdb/openvdb.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +10,7 @@
 #include <memory>
 
 #include "cli/bench/bench_structure.h"
+#include "cli/bench/nanovdb_grids.h"
 
 namespace spinel::cli {
 namespace {
@@ -20,16 +19,6 @@ using kernels::Hit;
 using kernels::Ray;
 using NanoGrid = nanovdb::NanoGrid<nanovdb::ValueMask>;
 using NanoRay = nanovdb::Ray<float>;
-
-nanovdb::GridHandle<> nano_grid(const VoxelTree& tree) {
-    openvdb::MaskGrid grid;
-    tree.for_each_cube([&](ivec3 lower, int size, std::uint16_t) {
-        const ivec3 upper = lower + (size - 1);
-        grid.fill({openvdb::Coord(lower.x, lower.y, lower.z), openvdb::Coord(upper.x, upper.y, upper.z)}, true);
-    });
-    grid.tree().prune();
-    return nanovdb::openToNanoVDB(grid);
-}
 
 // The first active voxel.
 template <class Accessor>
@@ -74,9 +63,8 @@ bool nano_first(const Ray& ray, const nanovdb::CoordBBox& box, const Accessor& a
 }  // namespace
 
 std::vector<BenchStructure> nanovdb_structures(const VoxelTree& tree) {
-    openvdb::initialize();
     const auto start = std::chrono::steady_clock::now();
-    const auto handle = std::make_shared<nanovdb::GridHandle<>>(nano_grid(tree));
+    const auto handle = std::make_shared<nanovdb::GridHandle<>>(nanovdb_mask(tree));
     const double build = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     BenchStructure peer;
     peer.name = "nanovdb-leaf-mask";

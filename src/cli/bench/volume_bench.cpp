@@ -1,14 +1,14 @@
 #include "cli/bench/volume_bench.h"
 
-#include <nanovdb/util/OpenToNanoVDB.h>
-#include <nanovdb/util/SampleFromVoxels.h>
-#include <openvdb/openvdb.h>
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <random>
+#include <type_traits>
+using std::is_floating_point;  // SampleFromVoxels.h of NanoVDB 10.0 forgets to say whose
+#include <nanovdb/util/SampleFromVoxels.h>
 
+#include "cli/bench/nanovdb_grids.h"
 #include "kernels/grids.h"
 
 namespace spinel::cli {
@@ -25,24 +25,6 @@ double cpu_seconds() {
 double median(std::vector<double> values) {
     std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
     return values[values.size() / 2];
-}
-
-// Voxel (i, j, k) is sample (i, j, k); what differs from the background is active.
-openvdb::FloatGrid::Ptr open_grid(const GridSamples& samples, float background, std::size_t& voxels) {
-    auto grid = openvdb::FloatGrid::create(background);
-    auto accessor = grid->getAccessor();
-    voxels = 0;
-    const ivec3 size = samples.size();
-    for (int z = 0; z < size.z; ++z)
-        for (int y = 0; y < size.y; ++y)
-            for (int x = 0; x < size.x; ++x) {
-                const float value = samples.at({x, y, z});
-                if (value == background) continue;
-                accessor.setValue(openvdb::Coord(x, y, z), value);
-                ++voxels;
-            }
-    grid->tree().prune();
-    return grid;
 }
 
 // Inside of the samples' middles: at the faces bricks are clamped, NanoVDB falls to the background.
@@ -79,12 +61,11 @@ std::vector<vec3> coherent_places(vec3 size) {
 
 std::vector<LookUpRow> measure_look_ups(const CompiledScene& scene, kernels::DensityGrid record, const Grid& grid,
                                         int repeats) {
-    openvdb::initialize();
     record.filter_kind = kernels::FILTER_TRILINEAR;
     const kernels::SceneView view = scene.view();
     const GridSamples& samples = *grid.samples;
     std::size_t voxels = 0;
-    const nanovdb::GridHandle<> handle = nanovdb::openToNanoVDB(open_grid(samples, grid.background, voxels));
+    const nanovdb::GridHandle<> handle = nanovdb_floats(samples, grid.background, voxels);
     const auto* nano = handle.grid<float>();
     if (!nano || voxels == 0) return {};
     const double brick_bytes =
