@@ -9,6 +9,7 @@
 #include "geometry/mesh/mesh_structures.h"
 #include "kernels/traverse.h"
 #include "render/grid_stream.h"
+#include "render/ray_packet.h"
 #include "render/reference.h"
 
 namespace spinel {
@@ -34,6 +35,11 @@ Walk walk_of(TraceMethod method) {
             [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
                 return kernels::trace_any(scene, ray, mask);
             }};
+}
+
+// Distances beyond INFINITE, +∞ among them, mean "no limit".
+Ray as_ray(const TraceRay& ray) {
+    return {ray.origin, ray.t_min, ray.direction, std::min(ray.t_max, kernels::INFINITE)};
 }
 
 bool is_usable(const Ray& ray) {
@@ -68,10 +74,13 @@ Hit first_material(const SceneView& scene, const Walk& walk, Ray ray, kernels::u
     }
 }
 
-bool any_material(const SceneView& scene, const Walk& walk, const Ray& ray) {
-    if (walk.any(scene, ray, kernels::TRACE_SOLID)) return true;
+bool passes_into_material(const SceneView& scene, const Walk& walk, const Ray& ray) {
     return scene.pass_through_count > 0 &&
            kernels::is_hit(first_material(scene, walk, ray, kernels::TRACE_PASS_THROUGH));
+}
+
+bool any_material(const SceneView& scene, const Walk& walk, const Ray& ray) {
+    return walk.any(scene, ray, kernels::TRACE_SOLID) || passes_into_material(scene, walk, ray);
 }
 
 constexpr TraceHit miss = {std::numeric_limits<float>::infinity(), NONE, NONE, 0, 0, 0, 0, 0, 0, 0, 0, NONE};
@@ -115,6 +124,55 @@ Result<const Accelerator*> find_accelerator(const std::string& name) {
 }
 
 namespace {
+
+// How far apart along an axis rays of a packet may begin.
+float packet_side(const SceneView& scene) {
+    if (scene.bounded_count == 0) return 0;
+    const kernels::BvhNode& all = scene.instance_nodes.at[0];
+    return 0.05f * kernels::max_component(all.upper - all.lower);
+}
+
+// Whether rays, all of them usable, are of one octant, side by side and of much the same direction, so that they are
+// faster together.
+bool are_coherent(const Ray rays[packet_size], float side) {
+    const auto octant = [](const Ray& ray) {
+        const glm::vec3 d = ray.direction;
+        return int(std::signbit(d.x)) + 2 * int(std::signbit(d.y)) + 4 * int(std::signbit(d.z));
+    };
+    const Ray& first = rays[0];
+    const float length2 = glm::dot(first.direction, first.direction);
+    for (int i = 0; i < packet_size; ++i) {
+        const Ray& ray = rays[i];
+        const glm::vec3 apart = glm::abs(ray.origin - first.origin);
+        const float along = glm::dot(ray.direction, first.direction);
+        if (!is_usable(ray) || octant(ray) != octant(first) || !(kernels::max_component(apart) <= side) ||
+            !(along * along > 0.9f * length2 * glm::dot(ray.direction, ray.direction)))
+            return false;
+    }
+    return true;
+}
+
+// As the walk of one ray for each of eight.
+void trace_packet(const SceneView& scene, const Walk& walk, Ray rays[packet_size], bool any, TraceHit* hits) {
+    constexpr unsigned all = (1u << packet_size) - 1;
+    if (any) {
+        const unsigned blocked = cpu_trace_any8(scene, rays, all, kernels::TRACE_SOLID);
+        for (int i = 0; i < packet_size; ++i)
+            if ((blocked >> i & 1) || passes_into_material(scene, walk, rays[i])) hits[i].t = 0;
+        return;
+    }
+    Hit found[packet_size];
+    cpu_trace_closest8(scene, rays, all, kernels::TRACE_ALL, found);
+    for (int i = 0; i < packet_size; ++i) {
+        if (!kernels::is_hit(found[i])) continue;
+        if (material_of(scene, found[i]) == NONE) {
+            rays[i].t_min = found[i].t;
+            found[i] = first_material(scene, walk, rays[i], kernels::TRACE_ALL);
+            if (!kernels::is_hit(found[i])) continue;
+        }
+        hits[i] = report(scene, found[i]);
+    }
+}
 
 // A grid, the record of its finest cells, and no grid within it.
 bool is_uniform_grid(const SceneView& scene, const kernels::Mesh& mesh) {
@@ -172,7 +230,7 @@ Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const
         std::vector<Ray> usable;
         std::vector<std::size_t> names;
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction, std::min(rays[i].t_max, kernels::INFINITE));
+            const Ray ray = as_ray(rays[i]);
             if (!is_usable(ray)) continue;
             usable.push_back(ray);
             names.push_back(i);
@@ -182,10 +240,19 @@ Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const
         return hits;
     }
     const Walk walk = walk_of(options.method);
+    const float side = options.method == TraceMethod::walk ? packet_side(scene) : -1;
     parallel_for(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            // Distances beyond INFINITE, +∞ among them, mean "no limit".
-            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction, std::min(rays[i].t_max, kernels::INFINITE));
+            if (i + packet_size <= end) {
+                Ray packet[packet_size];
+                for (std::size_t k = 0; k < packet_size; ++k) packet[k] = as_ray(rays[i + k]);
+                if (are_coherent(packet, side)) {
+                    trace_packet(scene, walk, packet, options.any, &hits[i]);
+                    i += packet_size - 1;
+                    continue;
+                }
+            }
+            const Ray ray = as_ray(rays[i]);
             if (!is_usable(ray)) continue;
             if (options.any) {
                 if (any_material(scene, walk, ray)) hits[i].t = 0;

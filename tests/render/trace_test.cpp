@@ -173,6 +173,35 @@ TEST(TraceRays, the_same_bits_for_any_number_of_threads) {
     }
 }
 
+TEST(TraceRays, coherent_rays_go_together_and_find_what_each_finds_alone) {
+    TestScene parts = everything();
+    const kernels::uint through = kernels::INSTANCE_PASS_THROUGH;  // smoke around the mesh, and in front of the voxels
+    parts.place(kernels::GEOMETRY_MESH, parts.add(icosphere(2)), affine(glm::mat3(1.5f), vec3(-6, 0, 0)), {{NO, 0}},
+                through);
+    parts.place(kernels::GEOMETRY_BOX, 0, affine(glm::mat3(1.2f), vec3(-3, 0, 0)), {{NO, 0}}, through);
+    Random random(2);
+    std::vector<TraceRay> rays;
+    for (int group = 0; group < 500; ++group) {
+        const vec3 origin = random.in_cube(8), target = vec3(random.uniform(-7, 0), 0, 0) + random.in_cube(1);
+        const float spread = group % 5 ? 0.3f : 20.0f;  // some groups are not coherent
+        for (int i = 0; i < 8; ++i)
+            rays.push_back({origin, 0, target + spread * random.in_cube(1) - origin, i == 3 ? 1.0f : INF});
+    }
+    rays[17].direction = vec3(0);
+    for (const bool any : {false, true}) {
+        const auto all = trace_rays(parts.view(), rays, {.any = any, .threads = 1});
+        ASSERT_TRUE(all);
+        int found = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const auto one = trace_rays(parts.view(), std::span(rays).subspan(i, 1), {.any = any, .threads = 1});
+            ASSERT_TRUE(one);
+            ASSERT_EQ(std::memcmp(&(*all)[i], one->data(), sizeof(TraceHit)), 0) << i;
+            found += !std::isinf((*all)[i].t);
+        }
+        EXPECT_GT(found, 1000);
+    }
+}
+
 TEST(TraceRays, an_unknown_accelerator_is_named_with_what_there_is) {
     const auto found = find_accelerator("bhv2");
     ASSERT_FALSE(found);

@@ -36,6 +36,18 @@ WorldMesh world_mesh(const Scene& scene) {
     return out;
 }
 
+namespace {
+
+Hit as_hit(const WideHit& found) {
+    Hit hit = kernels::no_hit(found.t);
+    if (found.triangle != kernels::NONE) hit.instance = 0;
+    hit.primitive = found.triangle;
+    hit.uv = vec2(found.u, found.v);
+    return hit;
+}
+
+}  // namespace
+
 std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
     std::vector<BenchStructure> list;
     if (mesh.triangles.empty()) return list;
@@ -49,17 +61,28 @@ std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
         s.bytes = double(tree->units.size() * sizeof(kernels::WideUnit));
         const WideMesh wide{tree->units.data(), mesh.lower, mesh.upper};
         s.closest = [tree, wide](std::span<const Ray> rays, Hit* hits) {
-            for (std::size_t i = 0; i < rays.size(); ++i) {
-                const WideHit found = wide_closest(wide, rays[i]);
-                hits[i] = kernels::no_hit(found.t);
-                if (found.triangle != kernels::NONE) hits[i].instance = 0;
-                hits[i].primitive = found.triangle;
-                hits[i].uv = vec2(found.u, found.v);
-            }
+            for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = as_hit(wide_closest(wide, rays[i]));
         };
         s.any = [tree, wide](std::span<const Ray> rays, Hit* hits) {
             for (std::size_t i = 0; i < rays.size(); ++i)
                 hits[i].instance = wide_any(wide, rays[i]) ? 0 : kernels::NONE;
+        };
+        list.push_back(s);
+        if (&preset != &default_wide_preset()) continue;
+        s.name += "-8";
+        s.closest = [tree, wide](std::span<const Ray> rays, Hit* hits) {
+            WideHit found[packet_size];
+            for (std::size_t i = 0; i < rays.size(); i += packet_size) {
+                wide_closest8(wide, &rays[i], 0xff, found);
+                for (std::size_t k = 0; k < packet_size; ++k) hits[i + k] = as_hit(found[k]);
+            }
+        };
+        s.any = [tree, wide](std::span<const Ray> rays, Hit* hits) {
+            for (std::size_t i = 0; i < rays.size(); i += packet_size) {
+                const unsigned blocked = wide_any8(wide, &rays[i], 0xff);
+                for (std::size_t k = 0; k < packet_size; ++k)
+                    hits[i + k].instance = blocked >> k & 1 ? 0 : kernels::NONE;
+            }
         };
         list.push_back(std::move(s));
     }

@@ -10,9 +10,10 @@
 #include "core/parallel.h"
 #include "devices/cpu/dvr_packet.h"
 #include "devices/cpu/march.h"
-#include "devices/cpu/packet_trace.h"
+#include "devices/cpu/mesh_walk.h"
 #include "kernels/integrators.h"
 #include "kernels/traverse.h"
+#include "render/ray_packet.h"
 
 namespace spinel {
 namespace {
@@ -54,7 +55,8 @@ class CpuDevice : public Device {
         // Scenes that were compiled for `dvr` have a transfer function.
         dvr_ = scene.dvr.table_size > 0 && scene.dvr.shortcuts ? DvrPackets::make(scene, scene.dvr) : nullptr;
         view_ = scene.view();
-        packets_ = !scene.voxel_grids.empty();
+        packets_ =
+            !scene.voxel_grids.empty() || std::any_of(scene.meshes.begin(), scene.meshes.end(), walks_in_packets);
         return {};
     }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "devices/cpu/avx2.h"
-#include "kernels/mesh_wide.h"
+#include "kernels/mesh.h"
 
 namespace spinel {
 
@@ -14,6 +14,11 @@ using kernels::NONE;
 using kernels::Ray;
 
 namespace {
+
+WideMesh wide_mesh_of(const kernels::SceneView& scene, kernels::uint mesh) {
+    const kernels::Mesh& m = scene.meshes.at[mesh];
+    return {scene.wide_units.at + m.node_first, m.lower, m.upper};
+}
 
 struct Entry {
     std::uint32_t reference;
@@ -92,10 +97,32 @@ bool wide_any_portable(const WideMesh& mesh, const Ray& ray) {
     return found;
 }
 
+namespace {
+
+void closest_one_by_one(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits) {
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = std::countr_zero(lanes);
+        hits[i] = wide_closest_portable(mesh, rays[i]);
+    }
+}
+
+unsigned any_one_by_one(const WideMesh& mesh, const Ray* rays, unsigned lanes) {
+    unsigned found = 0;
+    for (; lanes; lanes &= lanes - 1) {
+        const int i = std::countr_zero(lanes);
+        found |= unsigned(wide_any_portable(mesh, rays[i])) << i;
+    }
+    return found;
+}
+
+}  // namespace
+
 #ifdef SPINEL_AVX2
 
 WideHit wide_closest_avx2(const WideMesh& mesh, const Ray& ray);  // mesh_walk_avx2.cpp
 bool wide_any_avx2(const WideMesh& mesh, const Ray& ray);
+void wide_closest8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits);  // mesh_packet_avx2.cpp
+unsigned wide_any8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes);
 
 WideHit wide_closest(const WideMesh& mesh, const Ray& ray) {
     return has_avx2() ? wide_closest_avx2(mesh, ray) : wide_closest_portable(mesh, ray);
@@ -104,20 +131,67 @@ bool wide_any(const WideMesh& mesh, const Ray& ray) {
     return has_avx2() ? wide_any_avx2(mesh, ray) : wide_any_portable(mesh, ray);
 }
 
+void wide_closest8(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits) {
+    if (has_avx2()) return wide_closest8_avx2(mesh, rays, lanes, hits);
+    closest_one_by_one(mesh, rays, lanes, hits);
+}
+unsigned wide_any8(const WideMesh& mesh, const Ray* rays, unsigned lanes) {
+    return has_avx2() ? wide_any8_avx2(mesh, rays, lanes) : any_one_by_one(mesh, rays, lanes);
+}
+
+namespace {
+bool has_packets() { return has_avx2(); }
+}  // namespace
+
 #else
 
 WideHit wide_closest(const WideMesh& mesh, const Ray& ray) { return wide_closest_portable(mesh, ray); }
 bool wide_any(const WideMesh& mesh, const Ray& ray) { return wide_any_portable(mesh, ray); }
 
+void wide_closest8(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits) {
+    closest_one_by_one(mesh, rays, lanes, hits);
+}
+unsigned wide_any8(const WideMesh& mesh, const Ray* rays, unsigned lanes) { return any_one_by_one(mesh, rays, lanes); }
+
+namespace {
+bool has_packets() { return false; }
+}  // namespace
+
 #endif
+
+bool walks_in_packets(const kernels::Mesh& mesh) {
+    return has_packets() && mesh.walk == kernels::MESH_WALK_WIDE &&
+           mesh.triangle_test == kernels::TRIANGLE_WATERTIGHT && mesh.triangle_count > 0;
+}
+
+unsigned cpu_mesh_closest8(const kernels::SceneView& scene, kernels::uint mesh, kernels::uint instance, const Ray* rays,
+                           unsigned lanes, kernels::Hit* hits) {
+    WideHit nearest[packet_size];
+    wide_closest8(wide_mesh_of(scene, mesh), rays, lanes, nearest);
+    const kernels::uint first = scene.meshes.at[mesh].triangle_first;
+    unsigned found = 0;
+    for (unsigned rest = lanes; rest; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        const WideHit& hit = nearest[i];
+        if (hit.triangle == NONE) continue;
+        kernels::mesh_report(scene, mesh, {{hit.t, hit.u, hit.v}, first + hit.triangle}, hits[i]);
+        hits[i].instance = instance;
+        found |= 1u << i;
+    }
+    return found;
+}
+
+unsigned cpu_mesh_any8(const kernels::SceneView& scene, kernels::uint mesh, const Ray* rays, unsigned lanes) {
+    return wide_any8(wide_mesh_of(scene, mesh), rays, lanes);
+}
 
 }  // namespace spinel
 
 // The device's walk, as kernels/mesh_wide.h declares it.
 spinel::kernels::MeshNearest spinel::kernels::device_mesh_wide(const SceneView& scene, uint mesh, Ray ray, bool any) {
-    const Mesh& m = scene.meshes.at[mesh];
-    const WideMesh wide{scene.wide_units.at + m.node_first, m.lower, m.upper};
-    if (any) return {TriangleHit(ray.t_max, 0, 0), wide_any(wide, ray) ? m.triangle_first : NONE};
+    const WideMesh wide = wide_mesh_of(scene, mesh);
+    const uint first = scene.meshes.at[mesh].triangle_first;
+    if (any) return {TriangleHit(ray.t_max, 0, 0), wide_any(wide, ray) ? first : NONE};
     const WideHit hit = wide_closest(wide, ray);
-    return {TriangleHit(hit.t, hit.u, hit.v), hit.triangle == NONE ? NONE : m.triangle_first + hit.triangle};
+    return {TriangleHit(hit.t, hit.u, hit.v), hit.triangle == NONE ? NONE : first + hit.triangle};
 }

@@ -3,6 +3,7 @@
 // asked of every triangle, bit for bit: the least t, and of triangles met at the same t the one with the lowest index.
 
 #include "kernels/scene_view.h"
+#include "render/ray_packet.h"
 
 namespace spinel {
 
@@ -22,8 +23,24 @@ struct WideHit {
 WideHit wide_closest(const WideMesh& mesh, const kernels::Ray& ray);
 bool wide_any(const WideMesh& mesh, const kernels::Ray& ray);
 
+// Eight rays, of which those count whose bit is set in `lanes`; they may be any, but are faster than one by one if they
+// are coherent: of one octant, side by side. Hits of the others are left alone; returned are those that meet anything.
+void wide_closest8(const WideMesh& mesh, const kernels::Ray rays[packet_size], unsigned lanes,
+                   WideHit hits[packet_size]);
+unsigned wide_any8(const WideMesh& mesh, const kernels::Ray rays[packet_size], unsigned lanes);
+
 // The same for machines without AVX2, which the others are on them.
 WideHit wide_closest_portable(const WideMesh& mesh, const kernels::Ray& ray);
 bool wide_any_portable(const WideMesh& mesh, const kernels::Ray& ray);
+
+// Whether a mesh of a scene has more from packets than from one ray after the other.
+bool walks_in_packets(const kernels::Mesh& mesh);
+
+// As kernels::mesh_closest and mesh_any for each ray, in the mesh's space; returned are those that found something
+// nearer than their t_max, to whose hits `instance` is written.
+unsigned cpu_mesh_closest8(const kernels::SceneView& scene, kernels::uint mesh, kernels::uint instance,
+                           const kernels::Ray rays[packet_size], unsigned lanes, kernels::Hit hits[packet_size]);
+unsigned cpu_mesh_any8(const kernels::SceneView& scene, kernels::uint mesh, const kernels::Ray rays[packet_size],
+                       unsigned lanes);
 
 }  // namespace spinel

@@ -1,8 +1,10 @@
-#include "devices/cpu/packet_trace.h"
+#include "render/ray_packet.h"
 
 #include <algorithm>
 #include <bit>
 
+#include "devices/cpu/mesh_walk.h"
+#include "devices/cpu/voxel_walk.h"
 #include "kernels/traverse.h"
 
 namespace spinel {
@@ -58,13 +60,18 @@ struct SlabPacket {
     }
 };
 
+bool is_mesh_for_packets(const SceneView& scene, const kernels::Instance& placed) {
+    return placed.geometry_kind == kernels::GEOMETRY_MESH && walks_in_packets(scene.meshes.at[placed.geometry]);
+}
+
 // As kernels::instance_closest for each ray.
 void instance_closest8(const SceneView& scene, uint instance, const Ray rays[packet_size], unsigned lanes,
                        Hit hits[packet_size]) {
     const kernels::Instance& placed = scene.instances.at[instance];
-    const bool together = placed.geometry_kind == kernels::GEOMETRY_VOXELS &&
-                          scene.voxel_grids.at[placed.geometry].walk == kernels::VOXEL_WALK_TREE;
-    if (!together || std::has_single_bit(lanes)) {
+    const bool voxels = placed.geometry_kind == kernels::GEOMETRY_VOXELS &&
+                        scene.voxel_grids.at[placed.geometry].walk == kernels::VOXEL_WALK_TREE;
+    const bool mesh = is_mesh_for_packets(scene, placed);
+    if ((!voxels && !mesh) || std::has_single_bit(lanes)) {
         for (unsigned rest = lanes; rest; rest &= rest - 1) {
             const int i = std::countr_zero(rest);
             kernels::instance_closest(scene, instance, rays[i], hits[i]);
@@ -78,8 +85,11 @@ void instance_closest8(const SceneView& scene, uint instance, const Ray rays[pac
         const int i = std::countr_zero(rest);
         before[i] = hits[i].t;
         hits[i].t = kernels::instance_limit(instance, hits[i]);
+        local[i].t_max = hits[i].t;
     }
-    const unsigned found = cpu_voxels_closest8(scene, placed.geometry, placed.slot_first, instance, local, lanes, hits);
+    const unsigned found =
+        mesh ? cpu_mesh_closest8(scene, placed.geometry, instance, local, lanes, hits)
+             : cpu_voxels_closest8(scene, placed.geometry, placed.slot_first, instance, local, lanes, hits);
     for (unsigned rest = lanes & ~found; rest; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
         hits[i].t = before[i];
@@ -147,7 +157,12 @@ unsigned cpu_trace_any8(const SceneView& scene, const Ray rays[packet_size], uns
     unsigned blocked = 0;
     const SlabPacket slab(rays, lanes);
     walk(scene, slab, lanes, mask, [&](uint instance, unsigned inside) {
-        if (scene.instances.at[instance].geometry_kind == kernels::GEOMETRY_VOXELS) {
+        const kernels::Instance& placed = scene.instances.at[instance];
+        if (is_mesh_for_packets(scene, placed) && !std::has_single_bit(inside)) {
+            Ray local[packet_size];
+            for (int i = 0; i < packet_size; ++i) local[i] = kernels::ray_to_local(placed, rays[i]);
+            blocked |= cpu_mesh_any8(scene, placed.geometry, local, inside);
+        } else if (placed.geometry_kind == kernels::GEOMETRY_VOXELS) {
             Hit hits[packet_size];
             for (int i = 0; i < packet_size; ++i) hits[i] = kernels::no_hit(rays[i].t_max);
             instance_closest8(scene, instance, rays, inside, hits);

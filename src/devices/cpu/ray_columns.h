@@ -1,14 +1,14 @@
 #pragma once
 // Eight rays in AVX2 registers, a register for each number of a ray, and how they pass a box of cells.
 
-#ifdef __AVX2__
-
-#include <immintrin.h>
-
 #include <bit>
 #include <cstdint>
 
+#include "devices/cpu/avx2.h"
 #include "devices/cpu/voxel_walk.h"
+
+#ifdef SPINEL_AVX2
+SPINEL_AVX2_BEGIN
 
 namespace spinel {
 
@@ -116,4 +116,5 @@ inline __m256i lane_mask(unsigned lanes) {
 
 }  // namespace spinel
 
+SPINEL_AVX2_END
 #endif

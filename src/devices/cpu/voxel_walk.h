@@ -6,6 +6,7 @@
 #include <span>
 
 #include "kernels/voxels.h"
+#include "render/ray_packet.h"
 
 namespace spinel {
 
@@ -23,9 +24,6 @@ VoxelWalkCount cpu_voxels_count(const kernels::SceneView& scene, kernels::uint g
                                 const kernels::Ray& ray);
 
 // Those that follow write `instance` to what they find.
-
-// As many rays as go together.
-inline constexpr int packet_size = 8;
 
 // As that for each of eight rays whose bit is set in `lanes`; returns those that found something.
 unsigned closest_one_by_one(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
