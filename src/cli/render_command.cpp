@@ -261,6 +261,13 @@ struct Run {
         if (!common.quiet)
             for (const std::string& note : scene->notes)
                 fmt::print(stderr, "spinel: {}: {}\n", input.filename().string(), note);
+        const std::string integrator = render.integrator.empty() ? scene->integrator.name : render.integrator;
+        const auto volumes = std::count_if(scene->objects.begin(), scene->objects.end(), [&](const Object& object) {
+            return std::holds_alternative<VolumeGeometry>(scene->geometries[std::size_t(object.geometry)].data);
+        });
+        if (integrator == "dvr" && volumes > 1 && !common.quiet)
+            fmt::print(stderr, "spinel: {}: warning: dvr shows the first of {} volumes; --grid chooses one of a file\n",
+                       input.filename().string(), volumes);
         if (o.check && !scene->expected)
             return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
         const Result<CompiledScene> compiled =
@@ -281,7 +288,6 @@ struct Run {
         if (film.sample_count() == 0)
             return Error{fmt::format("{}: interrupted before the first sample; nothing is saved", input.string())};
         const double spp = double(film.sample_count()) / double(film.pixels.size());
-        const std::string integrator = render.integrator.empty() ? scene->integrator.name : render.integrator;
         const ImageMetadata metadata = {
             {"Software", "Spinel " SPINEL_VERSION},
             {"spinel.input", input.filename().string()},
@@ -389,15 +395,30 @@ int run(const Options& o, const CommonOptions& common) {
     install_interrupt();
     const Run render_one{o, common, *size, options};
     int code = exit_ok;
-    for (const std::string& input : o.inputs)
+    for (const std::string& input : o.inputs) {
+        // One bad file of a batch, or one bad frame, does not take the others with it.
+        std::size_t failed = 0;
+        std::string last;  // what is wrong with all frames is told once
         for (const std::optional<int> frame : frames) {
-            if (interrupted) return code;
+            if (interrupted) break;
             const Result<int> result = render_one(input, frame);
-            // One bad file of a batch does not take the others with it, but its other frames are as bad.
-            const int this_code = result ? *result : fail(result.error());
+            int this_code = exit_ok;
+            if (result) {
+                this_code = *result;
+            } else {
+                this_code = exit_bad_input;
+                ++failed;
+                if (result.error().message != last) {
+                    last = result.error().message;
+                    fail(frames.size() > 1 ? Error{fmt::format("frame {}: {}", *frame, last)} : result.error());
+                }
+            }
             if (code == exit_ok) code = this_code;
-            if (!result) break;
         }
+        if (failed > 1)
+            fmt::print(stderr, "spinel: {}: {} of {} frames were not rendered\n", input, failed, frames.size());
+        if (interrupted) break;
+    }
     return code;
 }
 

@@ -145,6 +145,7 @@ const Format* format_of(const std::filesystem::path& path) {
 }
 
 Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& options) {
+    if (options.fps > 0) return cannot_read(path, "--fps is of a scene file's \"animation\"; a model has none");
     if (is_image_stack(path)) return load_image_stack(path);
     if (const Format* format = format_of(path)) {
         if (options.frame && !format->animated)

@@ -173,9 +173,13 @@ FN DvrSeen dvr_projection(const_in(SceneView) scene, const_in(DvrSettings) s, co
     float greatest = -INFINITE;
     float sum = 0.0f;
     uint count = 0u;
+    seen.bound_reached = true;
     for (uint i = 0u; i < MAX_DVR_STEPS; ++i) {
         float t = (first + float(i) + start) * s.step;
-        if (t > span.end) break;
+        if (t > span.end) {
+            seen.bound_reached = false;
+            break;
+        }
         float value = dvr_value(scene, m, span.origin + t * span.direction);
         if (value > greatest) {
             greatest = value;

@@ -1,5 +1,6 @@
 #include "scene/animation.h"
 
+#include <fmt/format.h>
 #include <charconv>
 
 #include "scene/expression.h"
@@ -142,8 +143,9 @@ class Animation {
 Result<void> apply_animation(JsonDocument& document, const Moment& moment) {
     const JsonValue* section = document.root.find("animation");
     if (!section) {
-        if (moment.frame) return Error{document.file + ": a frame is asked for, but the scene has no \"animation\""};
-        return {};
+        if (!moment.frame && !(moment.fps > 0)) return {};
+        return Error{fmt::format("{}: {} asked for, but the scene has no \"animation\"", document.file,
+                                 moment.frame ? "a frame is" : "frames a second are")};
     }
     // A copy: writing values may not move what is being read.
     const JsonValue copy = *section;

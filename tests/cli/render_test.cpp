@@ -270,5 +270,24 @@ TEST_F(CliRender, a_file_whose_name_is_not_text_is_still_rendered) {
     EXPECT_TRUE(Json::accept(outcome.out)) << outcome.out;
 }
 
+TEST_F(CliRender, volumes_that_dvr_does_not_show_are_told_of) {
+    write("v.svol", "spinel volume 1\nsize 2 2 2\ntype u8\nspacing 1 1 1\n\n" + std::string(8, 'x'));
+    const auto scene_of = [&](const std::string& objects) {
+        return R"({"version": 1, "film": {"size": [4, 4]}, "integrator": {"type": "dvr", "spp": 1},
+          "media": {"m": {"scattering": 1, "density": "v"}}, "geometries": {"v": {"type": "volume", "file": "v.svol"}},
+          "objects": [)" +
+               objects + "]}";
+    };
+    const std::string one = R"({"geometry": "v", "interior": "m"})";
+    write("one.json", scene_of(one));
+    write("two.json", scene_of(one + "," + one));
+    EXPECT_EQ(run({"render", at("one.json"), "-o", at("a.png")}).err.find("warning"), std::string::npos);
+    const Outcome two = run({"render", at("two.json"), "-o", at("a.png")});
+    EXPECT_EQ(two.code, 0) << two.err;
+    EXPECT_NE(two.err.find("dvr shows the first of 2 volumes"), std::string::npos) << two.err;
+    EXPECT_EQ(run({"render", at("two.json"), "--integrator", "path", "-o", at("a.png")}).err.find("warning"),
+              std::string::npos);
+}
+
 }  // namespace
 }  // namespace spinel

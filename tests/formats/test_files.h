@@ -10,6 +10,8 @@
 #include <iterator>
 #include <string>
 
+#include "core/result.h"
+
 #ifndef SPINEL_SOURCE_DIR
 #define SPINEL_SOURCE_DIR "."
 #endif

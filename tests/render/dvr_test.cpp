@@ -1,119 +1,20 @@
-// `dvr` against sums from back to front, against closed forms, and the device's packets against the kernel.
+// `dvr` against closed forms, and the device's packets against the kernel.
 
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <cmath>
 
-#include <filesystem>
-#include <fstream>
-
 #include "image/metrics.h"
-#include "kernels/camera.h"
 #include "kernels/dvr.h"
 #include "kernels/traverse.h"
-#include "render/pictures.h"
+#include "render/dvr_volumes.h"
 #include "scene/transfer.h"
 
 namespace spinel {
 namespace {
 
 using namespace test;
-
-// A volume of `edge`³ samples in a file of its own.
-class Dvr : public ::testing::Test {
-  protected:
-    Dvr()
-        : file_(std::filesystem::temp_directory_path() /
-                fmt::format("spinel_dvr_{}_{}.svol", getpid(),
-                            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
-    ~Dvr() override { std::filesystem::remove(file_); }
-
-    template <class Value>
-    void write(int edge, const Value& value) {
-        std::ofstream out(file_, std::ios::binary);
-        out << fmt::format("spinel volume 1\nsize {0} {0} {0}\ntype f32\nspacing {1} {1} {1}\n\n", edge, 1.0 / edge);
-        for (int z = 0; z < edge; ++z)
-            for (int y = 0; y < edge; ++y)
-                for (int x = 0; x < edge; ++x) {
-                    const float v = value(x, y, z);
-                    out.write(reinterpret_cast<const char*>(&v), sizeof v);
-                }
-    }
-
-    // The unit cube seen from `from`, or along −z without perspective.
-    std::string scene(const std::string& dvr, const std::string& camera, int pixels,
-                      const std::string& more = "") const {
-        return fmt::format(R"json({{"version": 1, "camera": {{{}}}, "film": {{"size": [{}, {}], "filter": "box",
-          "filter_radius": 0.5}}, "integrator": {{"type": "dvr", "dvr": {{{}}}}},
-          "media": {{"m": {{"scattering": 1, "density": "v"}}}},
-          "materials": {{"grey": {{"type": "diffuse"}}}}, "geometries": {{"v": {{"type": "volume", "file": "{}"}}}},
-          "objects": [{}{{"geometry": "v", "interior": "m"}}]}})json",
-                           camera, pixels, pixels, dvr, file_.string(), more);
-    }
-
-    std::filesystem::path file_;
-};
-
-constexpr const char* straight =
-    R"("type": "orthographic", "from": [0.5, 0.5, 3], "at": [0.5, 0.5, 0], "height": 0.01)";
-constexpr const char* oblique = R"("from": [1.9, 1.5, 2.4], "at": [0.5, 0.5, 0.5], "fov": 30)";
-
-float ball(int x, int y, int z) {
-    const float r = glm::length(vec3(float(x), float(y), float(z)) - 15.5f);
-    return std::max(0.0f, 100 - 6 * r) + 3 * std::sin(0.9f * float(x)) * std::sin(0.7f * float(y)) + 3;
-}
-
-constexpr const char* layers = R"("points": [{"value": 20, "color": [1, 0.2, 0.1], "opacity": 0},
-    {"value": 40, "color": [1, 0.5, 0.1], "opacity": 0.15}, {"value": 60, "color": [0.2, 0.6, 1], "opacity": 0.01},
-    {"value": 90, "color": [1, 1, 1], "opacity": 0.6}])";
-
-// Samples at the same depths as the kernel's, summed from the far end.
-vec3 back_to_front(const kernels::SceneView& view, const kernels::DvrSettings& s, const kernels::Ray& ray) {
-    const kernels::DvrSpan span = kernels::dvr_span(view, s, ray, kernels::INFINITE);
-    const kernels::Medium& m = view.media.at[s.medium];
-    vec3 color = s.background;
-    if (!(span.begin < span.end)) return color;
-    const auto first = int(std::ceil(span.begin / s.step)), last = int(std::floor(span.end / s.step));
-    const auto place = [&](float t) {
-        return kernels::transfer_place(s, kernels::dvr_value(view, m, span.origin + t * span.direction));
-    };
-    for (int k = last; k > first; --k) {
-        const float t0 = float(k - 1) * s.step, t1 = float(k) * s.step;
-        const vec4 mean = kernels::transfer_between(view, s, place(t0), place(t1));
-        const float opacity = 1 - std::exp(-mean.w * s.step);
-        if (!(opacity > 0)) continue;
-        vec3 gradient(0);
-        const vec3 lit = kernels::dvr_lit(view, s, m, span.origin + 0.5f * (t0 + t1) * span.direction, ray.direction,
-                                          vec3(mean) / mean.w, gradient);
-        color = opacity * lit + (1 - opacity) * color;
-    }
-    return color;
-}
-
-TEST_F(Dvr, front_to_back_is_back_to_front) {
-    write(32, ball);
-    for (const char* shortcuts : {"true", "false"}) {
-        const Result<CompiledScene> compiled = compile_text(scene(
-            fmt::format("{}, \"shortcuts\": {}, \"background\": [0.1, 0.2, 0.3]", layers, shortcuts), oblique, 24));
-        ASSERT_TRUE(compiled) << compiled.error().message;
-        const TestPicture p = render_scene(*compiled, 1, 2, 7);
-        const kernels::SceneView view = compiled->view();
-        double worst = 0;
-        for (int y = 0; y < 24; ++y)
-            for (int x = 0; x < 24; ++x) {
-                // The ray of the first batch's only sample.
-                kernels::Sampler numbers = kernels::make_sampler({x, y}, 0, 7);
-                const vec2 u_film = kernels::sampler_2d(numbers), u_lens = kernels::sampler_2d(numbers);
-                const vec3 expected =
-                    back_to_front(view, compiled->dvr, kernels::camera_ray(view.camera, {x, y}, u_film, u_lens));
-                const dvec3 got = p.batches[0][std::size_t(y * 24 + x)];
-                for (int k = 0; k < 3; ++k) worst = std::max(worst, std::abs(got[k] - double(expected[k])));
-            }
-        EXPECT_LT(worst, 0.006) << shortcuts;  // early termination, faint steps, 16 bits
-    }
-}
 
 TEST_F(Dvr, packets_show_what_the_kernel_shows) {
     write(32, ball);
@@ -124,6 +25,15 @@ TEST_F(Dvr, packets_show_what_the_kernel_shows) {
         R"(, "step": 2.5, "jitter": true)",
         R"(, "clip_lower": [0.2, 0, 0], "clip_upper": [1, 0.7, 0.9], "clip_planes": [[0, 0.6, 0.8, 0.75]])",
         R"(, "color_map": "viridis", "opacity": 3)",
+        R"(, "light": "scene", "shadow": 0.8)",
+        R"(, "shadow": 0.5, "shadow_reach": 12, "shaded": false, "clip_upper": [0.8, 1, 1])",
+        R"(, "mode": "maximum")",
+        R"(, "mode": "maximum", "step": 0.3, "jitter": true, "clip_planes": [[1, 0.2, 0, 0.7], [0, -1, 0, -0.1]])",
+        R"(, "mode": "average", "clip_lower": [0.2, 0.2, 0.2], "clip_upper": [0.8, 0.8, 0.8])",
+        R"(, "mode": "average", "step": 0.4, "jitter": true, "clip_lower": [0.3, 0.3, 0.3])",
+        R"(, "mode": "isosurface", "iso": 50)",
+        R"(, "mode": "isosurface", "iso": 20.5, "light": "scene", "shadow": 1, "jitter": true, "step": 0.7)",
+        R"(, "mode": "isosurface", "iso": 30, "clip_planes": [[0, 0.6, 0.8, 0.75]], "clip_upper": [0.7, 1, 1])",
     };
     const char* more =
         R"({"geometry": {"type": "sphere", "radius": 0.2}, "material": "grey", "transform": [{"translate": [0.5, 1, 0.5]}]},)";
@@ -210,6 +120,52 @@ TEST_F(Dvr, isosurfaces_are_met_where_they_are) {
     EXPECT_NEAR(from_below.radiance.y, 0.6f * (0.25f + 0.75f) + 0.2f, 1e-4f);
 }
 
+// Whole numbers are kept as they are in 16 bits, so a plateau of just the surface's value is above it for both.
+TEST_F(Dvr, plateaus_of_whole_numbers_are_on_the_side_that_the_kernel_has_them_on) {
+    write(32, [](int x, int y, int z) { return float(2000 + 10 * (x / 8) + (y / 16) + 3 * (z / 4)); });
+    Image images[2];
+    for (int i = 0; i < 2; ++i)
+        images[i] =
+            render_text(
+                scene(fmt::format(R"("mode": "isosurface", "iso": 2031, "shortcuts": {})", i == 0), oblique, 48), 4, 1)
+                .image();
+    const Result<double> difference = rmse(images[0], images[1]);
+    ASSERT_TRUE(difference);
+    EXPECT_LT(*difference, 1e-3);
+    EXPECT_GT(channel_means(images[0])[0], 0.05);
+}
+
+// A needle of 2×2×1000 samples along the view, in steps of a hundredth: more than a march may take.
+TEST_F(Dvr, marches_that_are_cut_short_are_counted) {
+    write({2, 2, 1000}, [](int, int, int z) { return 0.5f + 0.0005f * float(999 - z); });
+    const auto cut = [&](const char* dvr, bool shortcuts) {
+        const Result<CompiledScene> compiled = compile_text(scene(
+            fmt::format(R"("points": [{{"value": 0.4, "opacity": 1e-7}}, {{"value": 1, "opacity": 1e-7}}],
+                              "shaded": false, "shortcuts": {}, {})",
+                        shortcuts, dvr),
+            R"("type": "orthographic", "from": [0.001, 0.001, 3], "at": [0.001, 0.001, 0], "height": 0.0005)", 1));
+        EXPECT_TRUE(compiled) << compiled.error().message;
+        const Result<std::unique_ptr<Device>> device = make_device("cpu");
+        const std::atomic<bool> stop{false};
+        RenderOptions options;
+        options.spp = 1;
+        const Result<RenderResult> result = render(**device, *compiled, options, stop);
+        EXPECT_TRUE(result);
+        return result ? result->film.bound_reached : 0;
+    };
+    const auto expect_counted = [&](const char* mode) {
+        for (const bool shortcuts : {false, true}) {
+            EXPECT_EQ(cut(fmt::format("{}, \"step\": 0.01", mode).c_str(), shortcuts), 1u) << mode << shortcuts;
+            EXPECT_EQ(cut(fmt::format("{}, \"step\": 0.02", mode).c_str(), shortcuts), 0u) << mode << shortcuts;
+        }
+    };
+    for (const char* mode : {R"("mode": "composite")", R"("mode": "maximum")", R"("mode": "average")"})
+        expect_counted(mode);
+    // Just not a surface in any of the bricks.
+    write({2, 2, 1000}, [](int, int, int z) { return z % 2 == 0 ? 0.5f : 1.0f; });
+    expect_counted(R"("mode": "isosurface", "iso": 1.000002)");
+}
+
 TEST(Transfer, windows_move_what_is_told) {
     DvrOptions o;
     o.points = {{0, vec3(0), 0}, {0.5f, vec3(1), 0.5f}, {1, vec3(1), 0.5f}};
@@ -223,6 +179,118 @@ TEST(Transfer, windows_move_what_is_told) {
     EXPECT_EQ(transfer_points(o, -5, 7).front().value, -5);  // a ramp over what the data holds
     o.preset = DvrOptions::Preset::ct_bone;
     EXPECT_EQ(transfer_points(o, -5, 7).front().value, 150);  // Hounsfield, whatever the data holds
+}
+
+// What the kernel reads between entries, against the points themselves: linear between them, constant outside; and the
+// mean over a piece against a sum of thousands of look-ups.
+TEST(Transfer, tables_are_the_points_that_were_told) {
+    DvrOptions o;
+    o.points = {{-1000, {0, 0, 1}, 0}, {-200, {1, 0, 0}, 0.3f}, {300, {1, 1, 0}, 0.1f}, {1500, {1, 1, 1}, 0.9f}};
+    const std::vector<TransferPoint> points = transfer_points(o, 0, 1);
+    const TransferTable table = transfer_table(points, 0.5f, 2);
+    CompiledScene scene;
+    scene.floats = table.values;
+    kernels::DvrSettings s = {};
+    s.table_size = transfer_size;
+    s.low = table.low;
+    s.scale = table.scale;
+    const kernels::SceneView view = scene.view();
+    const auto expected = [&](double value) {
+        std::size_t i = 1;
+        while (i + 1 < points.size() && points[i].value < value) ++i;
+        const double u = std::clamp((value - points[i - 1].value) / (points[i].value - points[i - 1].value), 0.0, 1.0);
+        const double opacity = (1 - u) * points[i - 1].opacity + u * points[i].opacity;
+        const double extinction = -2 * std::log(1 - opacity) / 0.5;
+        return glm::dvec4(glm::mix(glm::dvec3(points[i - 1].color), glm::dvec3(points[i].color), u) * extinction,
+                          extinction);
+    };
+    for (double value = -1300; value < 1900; value += 7.3) {
+        const vec4 got = kernels::transfer_at(view, s, kernels::transfer_place(s, float(value)));
+        for (int k = 0; k < 4; ++k) EXPECT_NEAR(double(got[k]), expected(value)[k], 0.02) << value;
+    }
+    for (double from = -1100; from < 1500; from += 61)
+        for (const double to : {from + 11, from + 150, from + 900, from - 333}) {
+            glm::dvec4 mean(0);
+            const int count = 4000;
+            for (int i = 0; i < count; ++i) mean += expected(from + (to - from) * (i + 0.5) / count) / double(count);
+            const vec4 got = kernels::transfer_between(view, s, kernels::transfer_place(s, float(from)),
+                                                       kernels::transfer_place(s, float(to)));
+            if (std::min(from, to) < -1000 || std::max(from, to) > 1500) continue;  // moved to the table's ends
+            for (int k = 0; k < 4; ++k) EXPECT_NEAR(double(got[k]), mean[k], 0.02) << from << " " << to;
+        }
+}
+
+// Of each preset of CT: what it shows of air, fat, water and compact bone, a layer of a voxel.
+TEST(Transfer, presets_of_ct_tell_tissues_apart) {
+    using Preset = DvrOptions::Preset;
+    const auto opacity = [](Preset preset, float hounsfield) {
+        DvrOptions o;
+        o.preset = preset;
+        const std::vector<TransferPoint> points = transfer_points(o, 0, 1);
+        if (hounsfield <= points.front().value) return points.front().opacity;
+        for (std::size_t i = 1; i < points.size(); ++i)
+            if (hounsfield < points[i].value)
+                return glm::mix(points[i - 1].opacity, points[i].opacity,
+                                (hounsfield - points[i - 1].value) / (points[i].value - points[i - 1].value));
+        return points.back().opacity;
+    };
+    constexpr float air = -1000, lung = -600, fat = -90, muscle = 50, contrast = 330, bone = 1200;
+    for (const Preset preset :
+         {Preset::ct_bone, Preset::ct_skin, Preset::ct_muscle, Preset::ct_lung, Preset::ct_angio, Preset::ct_xray}) {
+        EXPECT_EQ(opacity(preset, air), 0);
+        EXPECT_GT(opacity(preset, bone), 0.04f);
+    }
+    EXPECT_EQ(opacity(Preset::ct_bone, muscle), 0);
+    EXPECT_GT(opacity(Preset::ct_bone, bone), 0.8f);
+    EXPECT_GT(opacity(Preset::ct_skin, fat), 0.6f);
+    EXPECT_GT(opacity(Preset::ct_muscle, muscle), 10 * opacity(Preset::ct_muscle, fat));
+    EXPECT_GT(opacity(Preset::ct_lung, lung), 0.05f);
+    EXPECT_LT(opacity(Preset::ct_lung, muscle), 0.005f);
+    EXPECT_GT(opacity(Preset::ct_angio, contrast), 0.4f);
+    EXPECT_EQ(opacity(Preset::ct_angio, muscle), 0);
+    EXPECT_LT(opacity(Preset::ct_xray, bone), 0.06f);
+}
+
+// Colours of the maps at the ends of the window, as their authors publish them (sRGB of 8 bits), and rising brightness
+// of those that are made for it.
+TEST(Transfer, colour_maps_are_those_of_their_names) {
+    using Map = DvrOptions::ColorMap;
+    const auto at = [](Map map, float x) {
+        DvrOptions o;
+        o.color_map = map;
+        o.level = 5, o.width = 10;
+        const std::vector<TransferPoint> points = transfer_points(o, 0, 1);
+        vec3 color = points.front().color;
+        for (std::size_t i = 1; i < points.size(); ++i)
+            if (10 * x >= points[i].value) color = points[i].color;
+        return color;
+    };
+    const auto srgb = [](vec3 c) {
+        vec3 out;
+        for (int k = 0; k < 3; ++k)
+            out[k] = 255 * (c[k] <= 0.0031308f ? 12.92f * c[k] : 1.055f * std::pow(c[k], 1 / 2.4f) - 0.055f);
+        return out;
+    };
+    struct Row {
+        Map map;
+        vec3 first, last;
+    };
+    for (const Row& row : {Row{Map::grey, {0, 0, 0}, {255, 255, 255}}, Row{Map::viridis, {68, 1, 84}, {253, 231, 37}},
+                           Row{Map::inferno, {0, 0, 4}, {252, 255, 164}}, Row{Map::hot, {0, 0, 0}, {255, 255, 255}},
+                           Row{Map::cool_warm, {59, 76, 192}, {180, 4, 38}}})
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_NEAR(srgb(at(row.map, 0))[k], row.first[k], 1.5) << int(row.map);
+            EXPECT_NEAR(srgb(at(row.map, 1))[k], row.last[k], 1.5) << int(row.map);
+        }
+    for (const Map map : {Map::grey, Map::viridis, Map::inferno, Map::hot}) {
+        float before = -1;
+        for (float x = 0; x <= 1; x += 0.1f) {
+            const vec3 c = at(map, x + 0.001f);
+            const float luminance = 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+            EXPECT_GE(luminance, before) << int(map) << " " << x;
+            before = luminance;
+        }
+    }
 }
 
 }  // namespace

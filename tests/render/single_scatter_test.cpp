@@ -107,6 +107,41 @@ TEST(SingleScatter, shortcuts_lead_to_the_same_picture) {
     }
 }
 
+// A hundred thousand steps through a box are more than a march may take; half of them are not.
+TEST(SingleScatter, marches_that_are_cut_short_are_counted) {
+    const auto scene = [](const char* step, bool shortcuts) {
+        return compile_text(fmt::format(R"json({{"version": 1,
+          "camera": {{"type": "orthographic", "from": [0.5, 0.3, 3], "at": [0.5, 0.3, 0], "height": 0.001}},
+          "film": {{"size": [1, 1]}},
+          "integrator": {{"type": "single-scatter", "march": {{"step": {}, "shortcuts": {}}}}},
+          "environment": {{"type": "constant", "radiance": 1}},
+          "media": {{"bunny": {{"scattering": 0.1, "density": "bunny"}}}},
+          "geometries": {{"bunny": {{"type": "volume", "file": "{}/bunny32.bits"}}}},
+          "objects": [{{"geometry": "bunny", "interior": "bunny"}}]}})json",
+                                        step, shortcuts, SPINEL_SOURCE_DIR "/examples"));
+    };
+    for (const bool shortcuts : {false, true})
+        for (const auto& [step, cut] : {std::pair("0.00001", 1u), std::pair("0.00002", 0u)}) {
+            const Result<CompiledScene> compiled = scene(step, shortcuts);
+            ASSERT_TRUE(compiled) << compiled.error().message;
+            const Result<std::unique_ptr<Device>> device = make_device("cpu");
+            const std::atomic<bool> stop{false};
+            RenderOptions asked;
+            asked.spp = 1;
+            const Result<RenderResult> result = render(**device, *compiled, asked, stop);
+            ASSERT_TRUE(result);
+            EXPECT_EQ(result->film.bound_reached, cut) << step << shortcuts;
+            if (shortcuts) continue;
+            kernels::PathSettings settings = {};
+            settings.march = march_settings(*compiled);
+            const kernels::PathState s = kernels::path_generate(compiled->view(), settings, {0, 0}, 0);
+            EXPECT_EQ(
+                reference_single_scatter(compiled->view(), settings.march, s.ray, s.inside, s.numbers).bound_reached,
+                cut == 1)
+                << step;
+        }
+}
+
 // The whole example against the naive twin; what both take is printed.
 TEST(SlowSingleScatter, the_bunny_is_ten_times_as_fast_as_the_naive_march) {
     const ivec2 size = fewer_samples > 1 ? ivec2(64, 36) : ivec2(1280, 720);

@@ -36,6 +36,12 @@ struct PixelIndex {
 // Samples that are neighbours in the picture or of one pixel, as many as rays go in a packet.
 using Group = std::array<PixelIndex, packet_size>;
 
+void set_ray(RayLanes& lanes, std::size_t i, const kernels::Ray& ray) {
+    lanes.origin.x[i] = ray.origin.x, lanes.origin.y[i] = ray.origin.y, lanes.origin.z[i] = ray.origin.z;
+    lanes.direction.x[i] = ray.direction.x, lanes.direction.y[i] = ray.direction.y;
+    lanes.direction.z[i] = ray.direction.z;
+}
+
 // The pixels of a tile in blocks of 4×2, so that a group of them is as compact as its sample count lets it be.
 std::vector<glm::uvec2> pixels_in_blocks(const Crop& tile) {
     std::vector<glm::uvec2> pixels;
@@ -110,7 +116,7 @@ class CpuDevice : public Device {
     // A group is nothing but company for the rays: what a sample comes to does not depend on the others.
     void integrate(const RenderPass& pass, const Group& group, std::size_t size,
                    std::array<PixelSample, packet_size>& samples) const {
-        if (pass.integrator == dvr_integrator && dvr_ && !dvr_->wants_hits())
+        if (pass.integrator == dvr_integrator && dvr_ && !dvr_->wants_hits() && !(view_.camera.lens_radius > 0))
             return volumes(pass, group, size, samples);
         PathState states[packet_size];
         Hit hits[packet_size];
@@ -134,13 +140,14 @@ class CpuDevice : public Device {
             return;
         }
         if (pass.integrator == dvr_integrator && dvr_) {
-            kernels::Ray rays[packet_size];
-            kernels::Sampler numbers[packet_size];
-            for (std::size_t i = 0; i < size; ++i) {
-                rays[i] = states[i].ray;
-                numbers[i] = states[i].numbers;
+            RayLanes rays;
+            Float8 start = splat(0.0f);
+            for (std::size_t i = 0; i < packet_size; ++i) {
+                PathState& state = states[std::min(i, size - 1)];
+                set_ray(rays, i, state.ray);
+                if (dvr_->settings().jitter) start[i] = kernels::sampler_1d(state.numbers);
             }
-            return dvr_->render(rays, hits, numbers, int(size), samples.data());
+            return dvr_->render(rays, start, hits, int(size), samples.data());
         }
         if (pass.integrator == single_scatter_integrator && pass.settings.march.shortcuts) {
             for (std::size_t i = 0; i < size; ++i)
@@ -154,16 +161,16 @@ class CpuDevice : public Device {
     // Rays that no surface is in the way of, begun as path_generate() begins them.
     void volumes(const RenderPass& pass, const Group& group, std::size_t size,
                  std::array<PixelSample, packet_size>& samples) const {
-        kernels::Ray rays[packet_size];
-        kernels::Sampler numbers[packet_size];
-        for (std::size_t i = 0; i < size; ++i) {
-            numbers[i] = kernels::make_sampler(group[i].pixel, group[i].sample, pass.settings.seed);
-            const glm::vec2 u_film = kernels::sampler_2d(numbers[i]);
-            const glm::vec2 u_lens = kernels::sampler_2d(numbers[i]);
-            numbers[i].dimension += 1;  // the hero channel of paths
-            rays[i] = kernels::camera_ray(view_.camera, group[i].pixel, u_film, u_lens);
+        Uint8 x, y, index;
+        for (std::size_t i = 0; i < packet_size; ++i) {
+            const PixelIndex& at = group[std::min(i, size - 1)];
+            x[i] = at.pixel.x, y[i] = at.pixel.y, index[i] = at.sample;
         }
-        dvr_->render(rays, nullptr, numbers, int(size), samples.data());
+        SamplerLanes numbers = make_sampler8(x, y, index, pass.settings.seed);
+        const Pair8 u_film = sampler_2d8(numbers);
+        numbers.dimension = 3;  // beyond the lens and the hero channel of paths
+        const Float8 start = dvr_->settings().jitter ? sampler_1d8(numbers) : splat(0.0f);
+        dvr_->render(camera_rays8(view_.camera, x, y, u_film), start, nullptr, int(size), samples.data());
     }
 
     // The first step of path_follow for all, so that their shadow rays go together too.

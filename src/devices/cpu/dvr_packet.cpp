@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "devices/cpu/dvr_rays.h"
 #include "kernels/dvr.h"
 #include "kernels/traverse.h"
 
@@ -14,21 +15,8 @@ namespace spinel {
 
 namespace {
 
-using kernels::DvrSpan;
-using kernels::uint;
-
-constexpr int highlight_entries = 1024;
 constexpr double most_samples = 1 << 29;  // of a copy of the volume in 16 bits, 1 GiB; larger ones go by the kernel
-
-bool any(Int8 lanes) {
-#ifdef __AVX2__
-    return _mm256_movemask_ps(__m256(lanes)) != 0;
-#else
-    for (int i = 0; i < 8; ++i)
-        if (lanes[i]) return true;
-    return false;
-#endif
-}
+constexpr float farthest_step = 1e9f;     // that an int counts
 
 // Rows of four numbers at entry x of a table, linear between entries.
 void rows_at(const float* table, Float8 x, int size, Float8 out[4]) {
@@ -53,26 +41,45 @@ void rows_at(const float* table, Float8 x, int size, Float8 out[4]) {
 #endif
 }
 
+// Mean of colour·σ and σ between entries, as transfer_between() of the kernel: along each ray one piece ends where the
+// next one begins, so that half of the rows are known already.
+class Pieces {
+  public:
+    Pieces(const float* table, int size) : table_(table), size_(size) {}
+
+    void begin_at(Float8 x) { x_ = x, known_ = false; }
+    Float8 begin() const { return x_; }
+    // As far as x, which is where the next piece begins.
+    void mean_to(Float8 x, Float8 mean[4]) {
+        Float8 next[4];
+        const float* integral = table_ + 4 * size_;
+        if (!known_) rows_at(integral, x_, size_, rows_);
+        rows_at(integral, x, size_, next);
+        const Float8 difference = x - x_;
+        const Int8 close = absolute(difference) < kernels::TRANSFER_LEAST_DIFFERENCE;
+        const Float8 inverse = 1.0f / (close ? splat(1.0f) : difference);
+        for (int i = 0; i < 4; ++i) mean[i] = (next[i] - rows_[i]) * inverse;
+        for (int i = 0; i < 4; ++i) rows_[i] = next[i];
+        known_ = true;
+        if (any(close)) {
+            rows_at(table_, 0.5f * (x_ + x), size_, next);
+            for (int i = 0; i < 4; ++i) mean[i] = close ? next[i] : mean[i];
+        }
+        x_ = x;
+    }
+
+  private:
+    const float* table_;
+    int size_;
+    Float8 x_ = splat(0.0f);
+    Float8 rows_[4];
+    bool known_ = false;
+};
+
 }  // namespace
 
-struct DvrPackets::Rays {
-    Vec8 origin, direction;  // index space
-    Vec8 world;              // direction in world space
-    Float8 start;
-    Int8 first, last;  // steps
-    Float8 reach;      // index units that a step goes at most along an axis
-    int begin, end;    // least and greatest of all
-};
-
-struct DvrPackets::Seen {
-    Float8 red = splat(0.0f), green = splat(0.0f), blue = splat(0.0f);
-    Float8 left = splat(1.0f);
-    Float8 depth = splat(0.0f);
-    Vec8 normal = {splat(0.0f), splat(0.0f), splat(0.0f)};
-};
-
 std::unique_ptr<DvrPackets> DvrPackets::make(const CompiledScene& scene, const kernels::DvrSettings& settings) {
-    if (settings.medium == kernels::NONE || settings.mode != kernels::DVR_COMPOSITE || settings.shadow > 0) return {};
+    if (settings.medium == kernels::NONE) return {};
     const kernels::DensityGrid& grid = scene.grids[scene.media[settings.medium].grid];
     const double samples = double(grid.size.x + 4) * (grid.size.y + 4) * (grid.size.z + 4);
     if (grid.filter_kind != kernels::FILTER_TRILINEAR || samples >= most_samples) return {};
@@ -82,180 +89,146 @@ std::unique_ptr<DvrPackets> DvrPackets::make(const CompiledScene& scene, const k
 }
 
 DvrPackets::DvrPackets(const CompiledScene& scene, const kernels::DvrSettings& settings)
-    : view_(scene.view()),
-      settings_(settings),
-      volume_(view_, settings),
-      world_to_grid_(scene.media[settings.medium].world_to_grid) {
+    : view_(scene.view()), settings_(settings), volume_(view_, settings), lights_(view_, settings) {
     for (const kernels::Instance& instance : scene.instances)
         surfaces_ |= !(instance.flags & kernels::INSTANCE_PASS_THROUGH);
-    highlights_.resize(highlight_entries + 1);
-    for (int i = 0; i <= highlight_entries; ++i)
-        highlights_[std::size_t(i)] = settings.specular * std::pow(float(i) / highlight_entries, settings.shininess);
 }
 
-void DvrPackets::mean_between(Float8 x0, Float8 x1, Float8 mean[4]) const {
-    const float* table = view_.floats.at + settings_.table_first;
-    const int size = int(settings_.table_size);
-    Float8 a[4], b[4];
-    rows_at(table + 4 * size, x0, size, a);
-    rows_at(table + 4 * size, x1, size, b);
-    const Float8 difference = x1 - x0;
-    const Float8 magnitude = difference < 0.0f ? -difference : difference;
-    const Int8 close = magnitude < kernels::TRANSFER_LEAST_DIFFERENCE;
-    const Float8 inverse = 1.0f / (close ? splat(1.0f) : difference);
-    for (int k = 0; k < 4; ++k) mean[k] = (b[k] - a[k]) * inverse;
-    if (!any(close)) return;
-    rows_at(table, 0.5f * (x0 + x1), size, a);
-    for (int k = 0; k < 4; ++k) mean[k] = close ? a[k] : mean[k];
-}
-
-// Light of the piece of the rays between two samples.
-void DvrPackets::step(const Rays& rays, Float8 t, const Vec8& middle, Float8 x0, Float8 x1, Int8 lanes,
+// Light of the pieces of the rays that end at t.
+void DvrPackets::step(const Rays& rays, Float8 t, const Vec8& middle, const Float8 mean[4], Int8 lanes,
                       Seen& seen) const {
-    const Float8 last = splat(float(settings_.table_size - 1)), zero = splat(0.0f);
-    x0 = minimum(maximum(x0, zero), last);
-    x1 = minimum(maximum(x1, zero), last);
-    if (!any(lanes & ((x0 > volume_.first_visible()) | (x1 > volume_.first_visible())))) return;
-    Float8 mean[4];
-    mean_between(x0, x1, mean);
+    const Float8 zero = splat(0.0f);
     const Float8 opacity = 1.0f - exp_negative(minimum(mean[3] * -settings_.step, zero));
     lanes &= opacity > kernels::DVR_FAINT;
     if (!any(lanes)) return;
-    const Float8 inverse = 1.0f / (lanes ? mean[3] : splat(1.0f));
-    Float8 diffuse = splat(1.0f), highlight = zero;
-    if (settings_.shaded) {
-        const Vec8 g = volume_.gradient(middle);
-        const glm::mat3& m = world_to_grid_;  // rows times gradient: normals go by the transposed inverse
-        const Float8 gx = g.x * m[0].x + g.y * m[0].y + g.z * m[0].z;
-        const Float8 gy = g.x * m[1].x + g.y * m[1].y + g.z * m[1].z;
-        const Float8 gz = g.x * m[2].x + g.y * m[2].y + g.z * m[2].z;
-        const Float8 square = gx * gx + gy * gy + gz * gz;
-        const Int8 sloped = square > 1e-30f;
-        const Float8 scale = 1.0f / square_root(sloped ? square : splat(1.0f));
-        const Vec8 n = {gx * scale, gy * scale, gz * scale};
-        const Vec8& d = rays.world;
-        const auto absolute = [](Float8 x) { return x < 0.0f ? -x : x; };
-        Float8 toward, half;
-        if (settings_.headlight) {
-            toward = half = absolute(n.x * d.x + n.y * d.y + n.z * d.z);
-        } else {
-            const vec3 l = settings_.to_light;
-            toward = absolute(n.x * l.x + n.y * l.y + n.z * l.z);
-            const Float8 hx = l.x - d.x, hy = l.y - d.y, hz = l.z - d.z;
-            const Float8 length2 = maximum(hx * hx + hy * hy + hz * hz, splat(1e-20f));
-            half = absolute(n.x * hx + n.y * hy + n.z * hz) / square_root(length2);
-        }
-        const Float8 at = minimum(half, splat(1.0f)) * float(highlight_entries);
-        const Int8 i = minimum(to_int(at), splat(highlight_entries - 1));
-        Float8 a, b;
-#ifdef __AVX2__
-        a = Float8(_mm256_i32gather_ps(highlights_.data(), __m256i(i), 4));
-        b = Float8(_mm256_i32gather_ps(highlights_.data() + 1, __m256i(i), 4));
-#else
-        for (int lane = 0; lane < 8; ++lane) {
-            a[lane] = highlights_[std::size_t(i[lane])];
-            b[lane] = highlights_[std::size_t(i[lane]) + 1];
-        }
-#endif
-        diffuse = sloped ? settings_.ambient + settings_.diffuse * toward : diffuse;
-        highlight = sloped ? mix8(a, b, at - to_float(i)) : highlight;
-        const Int8 halved = lanes & (seen.left > 0.5f) & (seen.left * (1.0f - opacity) <= 0.5f);
-        seen.normal.x = halved ? -n.x : seen.normal.x;
-        seen.normal.y = halved ? -n.y : seen.normal.y;
-        seen.normal.z = halved ? -n.z : seen.normal.z;
-    }
+    const DvrLights::Lit lit = lights_.at(volume_, middle, rays.world, rays.direction, lanes);
     const Float8 after = lanes ? seen.left * (1.0f - opacity) : seen.left;
-    seen.depth = (lanes & (seen.left > 0.5f) & (after <= 0.5f)) ? t : seen.depth;
+    const Int8 halved = lanes & (seen.left > 0.5f) & (after <= 0.5f);
+    seen.normal.x = halved ? lit.normal.x : seen.normal.x;
+    seen.normal.y = halved ? lit.normal.y : seen.normal.y;
+    seen.normal.z = halved ? lit.normal.z : seen.normal.z;
+    seen.depth = halved ? t : seen.depth;
     const Float8 weight = lanes ? seen.left * opacity : zero;
-    const Float8 lit = diffuse * inverse;
-    seen.red += weight * (mean[0] * lit + highlight);
-    seen.green += weight * (mean[1] * lit + highlight);
-    seen.blue += weight * (mean[2] * lit + highlight);
+    const Float8 factor = lit.factor / (lanes ? mean[3] : splat(1.0f));
+    seen.red += weight * (mean[0] * factor + lit.highlight);
+    seen.green += weight * (mean[1] * factor + lit.highlight);
+    seen.blue += weight * (mean[2] * factor + lit.highlight);
     seen.left = after < kernels::DVR_OPAQUE ? zero : after;
 }
 
 void DvrPackets::composite(const Rays& rays, Seen& seen) const {
-    const auto at = [&](Float8 t) {
-        return Vec8{rays.origin.x + t * rays.direction.x, rays.origin.y + t * rays.direction.y,
-                    rays.origin.z + t * rays.direction.z};
-    };
     const float step = settings_.step;
-    bool known = false;  // whether x0 belongs to the step before
-    Float8 x0 = splat(0.0f);
+    const Float8 last_entry = splat(float(settings_.table_size - 1)), zero = splat(0.0f);
+    const auto place = [&](Float8 t) {
+        return minimum(maximum(volume_.place(volume_.value(rays.at(t))), zero), last_entry);
+    };
+    Pieces pieces(view_.floats.at + settings_.table_first, int(settings_.table_size));
+    bool known = false;  // whether the step before has been looked at
     int k = rays.begin;
-    // A step may see less than it goes: a sample's neighbours in reach of a step are in the brick's range already.
-    for (int bound = 0; k <= rays.end && bound < int(kernels::MAX_DVR_STEPS); ++bound) {
+    for (int bound = 0; k <= rays.end; ++bound) {
         const Int8 alive = (rays.first <= k) & (rays.last >= k) & (seen.left > 0.0f);
+        const Int8 waiting = (rays.first > k) & (rays.first <= rays.last);
+        if (!any(alive | waiting)) break;
+        if (bound == int(kernels::MAX_DVR_STEPS)) {
+            seen.bound_reached = alive | waiting;
+            break;
+        }
         const Float8 t = (float(k) + rays.start) * step;
-        const Vec8 p = at(t);
-        if (!any(alive)) {
-            // Rays that begin later, or none.
-            int next = rays.end + 1;
-            for (int i = 0; i < 8; ++i)
-                if (rays.first[i] > k && rays.first[i] <= rays.last[i] && seen.left[i] > 0)
-                    next = std::min(next, rays.first[i]);
-            known = false;
-            k = next;
-            continue;
-        }
-        const Int8 distance = volume_.distance(p);
+        const Int8 distance = volume_.distance(rays.at(t));
         if (!any(alive & (distance == 0))) {
-            // Rings of empty bricks about the one at p: their rays may leap as far as the nearest ends.
+            // Rings of empty bricks about the one of each ray: all may leap as far as the nearest ends.
             const Float8 rings = to_float(maximum(distance - 1, splat(0))) * float(DvrVolume::brick);
-            const Int8 steps = maximum(to_int(rings / rays.reach), splat(1));
-            int leap = 1 << 20;
-            for (int i = 0; i < 8; ++i)
-                if (alive[i]) leap = std::min(leap, steps[i]);
-                else if (rays.first[i] > k && seen.left[i] > 0) leap = std::min(leap, rays.first[i] - k);
+            k += dvr_leap(alive, to_int(rings * rays.per_index), rays.first, waiting, k);
             known = false;
-            k += leap;
             continue;
         }
-        if (!known) x0 = volume_.place(at(t - step));
-        const Float8 x1 = volume_.place(p);
-        this->step(rays, t, at(t - 0.5f * step), x0, x1, alive & (rays.first < k), seen);
-        x0 = x1;
+        if (!known) pieces.begin_at(place(t - step));
         known = true;
+        const Float8 x0 = pieces.begin(), x1 = place(t);
+        const Int8 lanes = alive & (rays.first < k);
+        if (any(lanes & ((x0 > volume_.first_visible()) | (x1 > volume_.first_visible())))) {
+            Float8 mean[4];
+            pieces.mean_to(x1, mean);
+            this->step(rays, t, rays.at(t - 0.5f * step), mean, lanes, seen);
+        } else {
+            pieces.begin_at(x1);
+        }
         ++k;
     }
 }
 
-void DvrPackets::render(const kernels::Ray* rays, const kernels::Hit* hits, kernels::Sampler* numbers, int count,
+// dvr_span() of the kernel. `ends` is how far the rays go; not at all: 0.
+DvrPackets::Rays DvrPackets::begin(const RayLanes& rays, Float8 start, Float8 ends) const {
+    const mat4x3& m = view_.media.at[settings_.medium].world_to_grid;
+    const Vec8 &o = rays.origin, &d = rays.direction;
+    Rays r;
+    r.world = d;
+    r.start = start;
+    const auto turned = [&](const Vec8& v, int axis) { return v.x * m[0][axis] + v.y * m[1][axis] + v.z * m[2][axis]; };
+    r.origin = {turned(o, 0) + m[3].x, turned(o, 1) + m[3].y, turned(o, 2) + m[3].z};
+    r.direction = {turned(d, 0), turned(d, 1), turned(d, 2)};
+    r.span_begin = splat(0.0f);
+    r.span_end = ends;
+    const auto between = [&](Float8 from, Float8 rate, float lower, float upper) {
+        const Int8 still = rate == 0.0f;
+        const Float8 inverse = 1.0f / (still ? splat(1.0f) : rate);
+        const Float8 t0 = (lower - from) * inverse, t1 = (upper - from) * inverse;
+        r.span_begin = still ? r.span_begin : maximum(r.span_begin, minimum(t0, t1));
+        r.span_end = still ? ((from < lower) | (from > upper) ? splat(-1.0f) : r.span_end)
+                           : minimum(r.span_end, maximum(t0, t1));
+    };
+    const vec3 lower = settings_.clip_lower, upper = settings_.clip_upper;
+    between(r.origin.x, r.direction.x, lower.x, upper.x);
+    between(r.origin.y, r.direction.y, lower.y, upper.y);
+    between(r.origin.z, r.direction.z, lower.z, upper.z);
+    for (kernels::uint i = 0; i < settings_.plane_count; ++i) {
+        const vec4 n = settings_.planes[i];
+        const Float8 height = o.x * n.x + o.y * n.y + o.z * n.z - n.w;  // > 0: cut away
+        const Float8 rate = d.x * n.x + d.y * n.y + d.z * n.z;
+        const Float8 at = -height / (rate == 0.0f ? splat(1.0f) : rate);
+        r.span_end = rate == 0.0f  ? (height > 0.0f ? splat(-1.0f) : r.span_end)
+                     : rate > 0.0f ? minimum(r.span_end, at)
+                                   : r.span_end;
+        r.span_begin = rate < 0.0f ? maximum(r.span_begin, at) : r.span_begin;
+    }
+    const Int8 empty = ~(r.span_begin < r.span_end);
+    const float per_step = 1.0f / settings_.step;
+    const auto bounded = [](Float8 x) { return minimum(maximum(x, splat(-1.0f)), splat(farthest_step)); };
+    r.first = empty ? splat(1) : to_int(-floor8(bounded(r.span_begin * per_step - start) * -1.0f));
+    r.last = empty ? splat(-1) : to_int(floor8(bounded(r.span_end * per_step - start)));
+    r.begin = least(empty ? splat(1 << 30) : r.first);
+    r.end = -least(-r.last);
+    const Float8 fastest = maximum(absolute(r.direction.x), maximum(absolute(r.direction.y), absolute(r.direction.z)));
+    r.per_index = 1.0f / maximum(fastest * settings_.step, splat(1e-20f));
+    return r;
+}
+
+void DvrPackets::render(const RayLanes& rays, Float8 start, const kernels::Hit* hits, int count,
                         kernels::PixelSample* samples) const {
     kernels::PreviewView views[width];
-    Rays r;
-    r.begin = 1 << 30;
-    r.end = -1;
-    for (int i = 0; i < width; ++i) {
-        const kernels::Ray& ray = rays[std::min(i, count - 1)];
-        if (i < count) {
-            if (surfaces_) {
-                views[i] = kernels::preview_view(view_, ray, hits[i]);
-            } else {
-                views[i].found = false;
-                views[i].ray = ray;
-                views[i].bound_reached = false;
-            }
-        }
-        const DvrSpan span = kernels::dvr_span(view_, settings_, ray,
-                                               i < count && views[i].found ? views[i].distance : kernels::INFINITE);
-        r.start[i] = i < count && settings_.jitter ? kernels::sampler_1d(numbers[i]) : 0.0f;
-        const bool empty = i >= count || !(span.begin < span.end);
-        r.origin.x[i] = span.origin.x, r.origin.y[i] = span.origin.y, r.origin.z[i] = span.origin.z;
-        r.direction.x[i] = span.direction.x, r.direction.y[i] = span.direction.y, r.direction.z[i] = span.direction.z;
-        r.world.x[i] = ray.direction.x, r.world.y[i] = ray.direction.y, r.world.z[i] = ray.direction.z;
-        r.first[i] = empty ? 1 : int(std::ceil(span.begin / settings_.step - r.start[i]));
-        r.last[i] = empty ? 0 : int(std::floor(span.end / settings_.step - r.start[i]));
-        r.reach[i] = std::max(kernels::max_component(glm::abs(span.direction)) * settings_.step, 1e-20f);
-        if (r.first[i] > r.last[i]) continue;
-        r.begin = std::min(r.begin, r.first[i]);
-        r.end = std::max(r.end, r.last[i]);
+    Float8 ends = splat(0.0f);
+    for (int i = 0; i < count; ++i) {
+        views[i].found = false;
+        views[i].bound_reached = false;
+        if (surfaces_)
+            views[i] = kernels::preview_view(
+                view_,
+                kernels::Ray(vec3(rays.origin.x[i], rays.origin.y[i], rays.origin.z[i]), 0,
+                             vec3(rays.direction.x[i], rays.direction.y[i], rays.direction.z[i]), kernels::INFINITE),
+                hits[i]);
+        ends[i] = views[i].found ? views[i].distance : kernels::INFINITE;
     }
+    const Rays r = begin(rays, start, ends);
     Seen seen;
-    if (r.begin <= r.end) composite(r, seen);
+    if (any(r.span_begin < r.span_end)) {
+        if (settings_.mode == kernels::DVR_COMPOSITE) composite(r, seen);
+        else if (settings_.mode == kernels::DVR_ISOSURFACE) isosurface(r, seen);
+        else projection(r, seen);
+    }
     for (int i = 0; i < count; ++i) {
         const kernels::DvrSeen one(vec3(seen.red[i], seen.green[i], seen.blue[i]), seen.left[i], seen.depth[i],
-                                   vec3(seen.normal.x[i], seen.normal.y[i], seen.normal.z[i]), false);
+                                   vec3(seen.normal.x[i], seen.normal.y[i], seen.normal.z[i]),
+                                   seen.bound_reached[i] != 0);
         samples[i] = kernels::dvr_sample(view_, settings_, views[i], one);
     }
 }

@@ -1,9 +1,11 @@
 #pragma once
-// `dvr` for eight rays at once over a DvrVolume: the kernel's composite (kernels/dvr.h), step for step, but for parts
-// of the way on which none of the rays can see anything. Pictures differ by the 16 bits that samples are kept in.
+// `dvr` for eight rays at once over a DvrVolume: what the kernel does (kernels/dvr.h), step for step, but for parts of
+// the way on which none of the rays can see anything. Pictures differ by the 16 bits that samples are kept in.
 
 #include <memory>
 
+#include "devices/cpu/camera_lanes.h"
+#include "devices/cpu/dvr_light.h"
 #include "devices/cpu/dvr_volume.h"
 #include "kernels/pixel_sample.h"
 #include "kernels/random.h"
@@ -23,8 +25,9 @@ class DvrPackets {
     // Whether rays have to be traced: the scene has more than volumes.
     bool wants_hits() const { return surfaces_; }
 
-    // The first `count` rays; hits of rays that were not traced are not looked at.
-    void render(const kernels::Ray* rays, const kernels::Hit* hits, kernels::Sampler* numbers, int count,
+    // The first `count` rays, each of which begins `start` of a step on; hits of rays that were not traced are not
+    // looked at.
+    void render(const RayLanes& rays, Float8 start, const kernels::Hit* hits, int count,
                 kernels::PixelSample* samples) const;
 
   private:
@@ -32,17 +35,17 @@ class DvrPackets {
 
     struct Rays;
     struct Seen;
+    Rays begin(const RayLanes& rays, Float8 start, Float8 ends) const;
     void composite(const Rays& rays, Seen& seen) const;
-    void step(const Rays& rays, Float8 t, const Vec8& middle, Float8 x0, Float8 x1, Int8 lanes, Seen& seen) const;
-    // Mean of colour·σ and σ between two entries, as transfer_between() of the kernel.
-    void mean_between(Float8 x0, Float8 x1, Float8 mean[4]) const;
+    void step(const Rays& rays, Float8 t, const Vec8& middle, const Float8 mean[4], Int8 lanes, Seen& seen) const;
+    void isosurface(const Rays& rays, Seen& seen) const;
+    void projection(const Rays& rays, Seen& seen) const;
 
     kernels::SceneView view_;
     kernels::DvrSettings settings_;
     bool surfaces_ = false;
     DvrVolume volume_;
-    glm::mat3 world_to_grid_;
-    std::vector<float> highlights_;  // specular · cosine^shininess by the cosine
+    DvrLights lights_;
 };
 
 }  // namespace spinel

@@ -32,15 +32,52 @@ Float8 between(Int8 pairs, Float8 x) { return mix8(lower(pairs), upper(pairs), x
 
 constexpr int far_away = 255;
 
+// Which entries of the transfer function are visible at all: how many below each are.
+std::vector<std::uint32_t> visible_before(const kernels::SceneView& view, const kernels::DvrSettings& s) {
+    std::vector<std::uint32_t> count(s.table_size + 1, 0);
+    for (kernels::uint i = 0; i < s.table_size; ++i)
+        count[i + 1] = count[i] + (view.floats.at[s.table_first + 4 * i + 3] > 0);
+    return count;
+}
+
 }  // namespace
 
 DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings& settings) {
+    copy_samples(view, settings);
+    bricks_ = (size_ + (brick - 1)) / brick;
+    blocks_ = (size_ + (block - 1)) / block;
+    // A step may go as far as this along an axis.
+    const glm::mat3 rows = glm::transpose(glm::mat3(view.media.at[settings.medium].world_to_grid));
+    const float along = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])}) * settings.step;
+    const int reach = 1 + int(std::ceil(std::max(along, 1.0f)));
+    if (settings.mode == kernels::DVR_COMPOSITE) {
+        const std::vector<std::uint32_t> visible = visible_before(view, settings);
+        kernels::uint first = 0;
+        while (first < settings.table_size && visible[first + 1] == 0) ++first;
+        first_visible_ = float(first) - 1;
+        const float last = float(settings.table_size - 1);
+        find_distances(reach, [&](int least, int most) {
+            const float from = std::clamp(float(least) * to_place_ + place_zero_, 0.0f, last);
+            const float to = std::clamp(float(most) * to_place_ + place_zero_, 0.0f, last);
+            return visible[std::size_t(std::ceil(to)) + 1] > visible[std::size_t(std::floor(from))];
+        });
+    } else if (settings.mode == kernels::DVR_ISOSURFACE) {
+        const float iso = value_of(settings.iso);
+        // A unit of rounding to each side.
+        find_distances(reach, [&](int least, int most) { return float(least - 1) < iso && float(most + 1) >= iso; });
+    } else {
+        brick_ranges_ = ranges_of(bricks_, brick, 1);
+        block_ranges_ = ranges_of(blocks_, block, 1);
+    }
+}
+
+void DvrVolume::copy_samples(const kernels::SceneView& view, const kernels::DvrSettings& settings) {
     const kernels::DensityGrid& grid = view.grids.at[view.media.at[settings.medium].grid];
     size_ = grid.size;
     row_ = size_.x + 2 * margin;
     layer_ = row_ * (size_.y + 2 * margin);
     const int layers = size_.z + 2 * margin;
-    const auto sample = [&](ivec3 i) { return kernels::grid_density(view, grid, vec3(i) + 0.5f); };
+    const auto sample = [&](ivec3 i) { return kernels::grid_sample(view, grid, i, 0); };
     // Whole numbers of a small range, as scanners write them, are kept as they are.
     std::vector<vec2> ranges(std::size_t(size_.z), vec2(1e30f, -1e30f));
     std::vector<std::uint8_t> whole(std::size_t(size_.z), 1);
@@ -59,6 +96,8 @@ DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings&
         high - low <= 65535 && std::all_of(whole.begin(), whole.end(), [](std::uint8_t w) { return w != 0; });
     const float unit = integers || !(high > low) ? 1.0f : (high - low) / 65535;
     integers_ = integers;
+    low_ = low;
+    unit_ = unit;
     to_place_ = unit * settings.scale;
     place_zero_ = (low - settings.low) * settings.scale;
     samples_.resize(std::size_t(layer_) * std::size_t(layers) + 2);
@@ -71,50 +110,41 @@ DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings&
                         std::uint16_t(std::lround((sample(at) - low) / unit));
                 }
     });
-    // A step or a sample's neighbour may see as far as this.
-    const glm::mat3 rows = glm::transpose(glm::mat3(view.media.at[settings.medium].world_to_grid));
-    const float along = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])}) * settings.step;
-    find_distances(view, settings, 1 + int(std::ceil(std::max(along, 1.0f))));
 }
 
-// Bricks whose samples, and those in reach of a step, map to no extinction are empty; the distance to others is that
-// of a king's moves.
-void DvrVolume::find_distances(const kernels::SceneView& view, const kernels::DvrSettings& settings, int reach) {
-    const auto extinction = [&](uint i) { return view.floats.at[settings.table_first + 4 * i + 3]; };
-    std::vector<std::uint32_t> visible_before(settings.table_size + 1, 0);  // entries below with an extinction
-    for (kernels::uint i = 0; i < settings.table_size; ++i)
-        visible_before[i + 1] = visible_before[i] + (extinction(i) > 0);
-    kernels::uint first = 0;
-    while (first < settings.table_size && !(extinction(first) > 0)) ++first;
-    first_visible_ = float(first) - 1;
-    bricks_ = (size_ + (brick - 1)) / brick;
-    distances_.assign(std::size_t(bricks_.x) * std::size_t(bricks_.y) * std::size_t(bricks_.z), far_away);
-    const float last = float(settings.table_size - 1);
-    parallel_for(std::size_t(bricks_.z), 1, [&](std::size_t begin, std::size_t end) {
+std::vector<std::uint32_t> DvrVolume::ranges_of(ivec3 count, int edge, int reach) const {
+    std::vector<std::uint32_t> ranges(std::size_t(count.x) * std::size_t(count.y) * std::size_t(count.z));
+    parallel_for(std::size_t(count.z), 1, [&](std::size_t begin, std::size_t end) {
         for (int k = int(begin); k < int(end); ++k)
-            for (int j = 0; j < bricks_.y; ++j)
-                for (int i = 0; i < bricks_.x; ++i) {
-                    const ivec3 lo = glm::max(ivec3(i, j, k) * brick - reach, ivec3(0));
-                    const ivec3 hi = glm::min((ivec3(i, j, k) + 1) * brick + reach, size_);
-                    int least = 65535, most = 0;
+            for (int j = 0; j < count.y; ++j)
+                for (int i = 0; i < count.x; ++i) {
+                    const ivec3 lo = glm::max(ivec3(i, j, k) * edge - reach, ivec3(0));
+                    const ivec3 hi = glm::min((ivec3(i, j, k) + 1) * edge + reach, size_);
+                    std::uint16_t least = 65535, most = 0;
                     for (int z = lo.z; z < hi.z; ++z)
                         for (int y = lo.y; y < hi.y; ++y) {
                             const std::uint16_t* row = samples_.data() + margin +
                                                        std::size_t(row_) * std::size_t(y + margin) +
                                                        std::size_t(layer_) * std::size_t(z + margin);
                             for (int x = lo.x; x < hi.x; ++x) {
-                                least = std::min<int>(least, row[x]);
-                                most = std::max<int>(most, row[x]);
+                                least = std::min(least, row[x]);
+                                most = std::max(most, row[x]);
                             }
                         }
-                    const float from = std::clamp(float(least) * to_place_ + place_zero_, 0.0f, last);
-                    const float to = std::clamp(float(most) * to_place_ + place_zero_, 0.0f, last);
-                    const auto below = kernels::uint(std::floor(from)), above = kernels::uint(std::ceil(to));
-                    if (visible_before[above + 1] > visible_before[below])
-                        distances_[std::size_t(i) + std::size_t(bricks_.x) *
-                                                        (std::size_t(j) + std::size_t(bricks_.y) * std::size_t(k))] = 0;
+                    ranges[std::size_t(i) +
+                           std::size_t(count.x) * (std::size_t(j) + std::size_t(count.y) * std::size_t(k))] =
+                        least | std::uint32_t(most) << 16;
                 }
     });
+    return ranges;
+}
+
+// Bricks whose values do not matter are empty; the distance to others is that of a king's moves.
+void DvrVolume::find_distances(int reach, const std::function<bool(int, int)>& matters) {
+    const std::vector<std::uint32_t> ranges = ranges_of(bricks_, brick, reach);
+    distances_.resize(ranges.size() + 3);  // gathers read four bytes
+    for (std::size_t i = 0; i < ranges.size(); ++i)
+        distances_[i] = matters(int(ranges[i] & 0xffff), int(ranges[i] >> 16)) ? 0 : far_away;
     // Along each axis in turn: the distance of a king's moves is the greatest of the three.
     const std::size_t strides[3] = {1, std::size_t(bricks_.x), std::size_t(bricks_.x) * std::size_t(bricks_.y)};
     std::vector<std::uint8_t> line;
@@ -139,7 +169,7 @@ void DvrVolume::find_distances(const kernels::SceneView& view, const kernels::Dv
     }
 }
 
-DvrVolume::Cell DvrVolume::cell(Vec8 p) const {
+DvrVolume::Cell DvrVolume::cell(const Vec8& p) const {
     const Float8 zero = splat(0.0f);
     // Sample i sits at i + ½.
     const Float8 x = minimum(maximum(p.x, zero), splat(float(size_.x))) + (float(margin) - 0.5f);
@@ -149,16 +179,16 @@ DvrVolume::Cell DvrVolume::cell(Vec8 p) const {
     return {i + j * row_ + k * layer_, x - to_float(i), y - to_float(j), z - to_float(k)};
 }
 
-Float8 DvrVolume::place(Vec8 p) const {
+Float8 DvrVolume::value(const Vec8& p) const {
     const Cell c = cell(p);
     const std::uint16_t* s = samples_.data();
     const Float8 low = mix8(between(pairs_at(s, c.index), c.x), between(pairs_at(s, c.index + row_), c.x), c.y);
     const Float8 high =
         mix8(between(pairs_at(s, c.index + layer_), c.x), between(pairs_at(s, c.index + layer_ + row_), c.x), c.y);
-    return mix8(low, high, c.z) * to_place_ + place_zero_;
+    return mix8(low, high, c.z);
 }
 
-Vec8 DvrVolume::gradient(Vec8 p) const {
+Vec8 DvrVolume::gradient(const Vec8& p) const {
     const Cell c = cell(p);
     const std::uint16_t* s = samples_.data();
     // Rows of four samples along x through the cell's four edges: value in the middle and slope.
@@ -181,15 +211,21 @@ Vec8 DvrVolume::gradient(Vec8 p) const {
             mix8(mix8(v01 - before0, v11 - before1, c.y), mix8(behind0 - v00, behind1 - v10, c.y), c.z)};
 }
 
-Int8 DvrVolume::distance(const Vec8& p) const {
-    const Int8 zero = splat(0);
-    const Int8 i = maximum(minimum(to_int(p.x * (1.0f / brick)), splat(bricks_.x - 1)), zero);
-    const Int8 j = maximum(minimum(to_int(p.y * (1.0f / brick)), splat(bricks_.y - 1)), zero);
-    const Int8 k = maximum(minimum(to_int(p.z * (1.0f / brick)), splat(bricks_.z - 1)), zero);
-    const Int8 at = i + bricks_.x * (j + bricks_.y * k);
-    Int8 d;
-    for (int lane = 0; lane < 8; ++lane) d[lane] = distances_[std::size_t(at[lane])];
-    return d;
+Int8 DvrVolume::index_of(ivec3 count, int edge, const Vec8& p) {
+    const Float8 zero = splat(0.0f);
+    const float scale = 1.0f / float(edge);
+    const Int8 i = minimum(to_int(maximum(p.x, zero) * scale), splat(count.x - 1));
+    const Int8 j = minimum(to_int(maximum(p.y, zero) * scale), splat(count.y - 1));
+    const Int8 k = minimum(to_int(maximum(p.z, zero) * scale), splat(count.z - 1));
+    return i + count.x * (j + count.y * k);
+}
+
+Int8 DvrVolume::distance(const Vec8& p) const { return gather(distances_.data(), index_of(bricks_, brick, p)); }
+
+DvrVolume::Range DvrVolume::range(const std::vector<std::uint32_t>& ranges, ivec3 count, int edge,
+                                  const Vec8& p) const {
+    const Int8 both = Int8(gather(ranges.data(), index_of(count, edge, p)));
+    return {lower(both), upper(both)};
 }
 
 }  // namespace spinel

@@ -31,6 +31,68 @@ inline Float8 floor8(Float8 x) {
     return t > x ? t - 1.0f : t;
 }
 
+inline Float8 absolute(Float8 x) { return (Float8)((Int8)x & 0x7fffffff); }
+
+// Masks have all bits of a lane or none.
+inline bool any(Int8 mask) {
+#ifdef __AVX2__
+    return _mm256_movemask_ps(__m256(mask)) != 0;
+#else
+    for (int i = 0; i < 8; ++i)
+        if (mask[i]) return true;
+    return false;
+#endif
+}
+
+inline std::int32_t least(Int8 x) {
+#ifdef __AVX2__
+    __m128i m = _mm_min_epi32(_mm256_castsi256_si128(__m256i(x)), _mm256_extracti128_si256(__m256i(x), 1));
+    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0x4e));
+    m = _mm_min_epi32(m, _mm_shuffle_epi32(m, 0xb1));
+    return _mm_cvtsi128_si32(m);
+#else
+    std::int32_t m = x[0];
+    for (int i = 1; i < 8; ++i) m = x[i] < m ? x[i] : m;
+    return m;
+#endif
+}
+
+// Entries of a table.
+inline Float8 gather(const float* table, Int8 at) {
+#ifdef __AVX2__
+    return Float8(_mm256_i32gather_ps(table, __m256i(at), 4));
+#else
+    Float8 out;
+    for (int i = 0; i < 8; ++i) out[i] = table[at[i]];
+    return out;
+#endif
+}
+inline Uint8 gather(const std::uint32_t* table, Int8 at) {
+#ifdef __AVX2__
+    return Uint8(_mm256_i32gather_epi32(reinterpret_cast<const int*>(table), __m256i(at), 4));
+#else
+    Uint8 out;
+    for (int i = 0; i < 8; ++i) out[i] = table[at[i]];
+    return out;
+#endif
+}
+// Of bytes, behind which three more may be read.
+inline Int8 gather(const std::uint8_t* table, Int8 at) {
+#ifdef __AVX2__
+    return Int8(_mm256_i32gather_epi32(reinterpret_cast<const int*>(table), __m256i(at), 1)) & 0xff;
+#else
+    Int8 out;
+    for (int i = 0; i < 8; ++i) out[i] = table[at[i]];
+    return out;
+#endif
+}
+
+// Linear between entries 0 … last, last ≥ 1, of a table; x from 0 to last.
+inline Float8 gather_linear(const float* table, Float8 x, int last) {
+    const Int8 i = minimum(to_int(x), splat(last - 1));
+    return mix8(gather(table, i), gather(table + 1, i), x - to_float(i));
+}
+
 inline Float8 square_root(Float8 x) {
 #ifdef __AVX2__
     return Float8(_mm256_sqrt_ps(__m256(x)));

@@ -1,6 +1,7 @@
 #include "devices/cpu/march.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -28,6 +29,7 @@ struct DepthLattice {
     vec3 per_index = {0, 0, 0};  // lattice cells in a unit of index space
     std::vector<float> depth;    // empty: this light is marched to
     bool solids = true;          // something solid may stand in the way of this light
+    bool cut = false;            // some way was longer than marches may be
 
     std::size_t at(int x, int y, int z) const {
         return std::size_t(x) + std::size_t(cells.x + 1) * (std::size_t(y) + std::size_t(cells.y + 1) * std::size_t(z));
@@ -87,11 +89,13 @@ struct Tool {
 };
 
 // The steps of a march that may find something: those within cells of a majorant above 0. `take(i, count)` is given up
-// to eight steps from i on, and says whether to go on.
+// to eight steps from i on, and says whether to go on. Returns whether the bound of steps ended the march.
 template <class Take>
-void each_batch(const kernels::SceneView& view, const kernels::Medium& medium, vec3 origin, vec3 direction, float t_end,
+bool each_batch(const kernels::SceneView& view, const kernels::Medium& medium, vec3 origin, vec3 direction, float t_end,
                 float step, float start, const Take& take) {
-    const int last = int(std::min(std::ceil(t_end / step), float(kernels::MAX_MARCH_STEPS))) - 1;
+    const float steps = std::ceil(t_end / step);
+    const bool cut = steps > float(kernels::MAX_MARCH_STEPS);
+    const int last = (cut ? int(kernels::MAX_MARCH_STEPS) : int(steps)) - 1;
     MajorantWalk walk = kernels::majorant_begin(view, medium, origin, direction, t_end);
     float t = 0;
     int next = 0;  // the first step that has not been taken
@@ -107,7 +111,7 @@ void each_batch(const kernels::SceneView& view, const kernels::Medium& medium, v
     while (t < t_end) {
         if (walk.majorant > 0 && begin < 0) begin = t;
         if (walk.majorant <= 0 && begin >= 0) {
-            if (!run(begin, t)) return;
+            if (!run(begin, t)) return false;
             begin = -1;
         }
         const float t_next = walk.t_next;
@@ -115,7 +119,7 @@ void each_batch(const kernels::SceneView& view, const kernels::Medium& medium, v
         t = std::max(t, t_next);
         if (t < t_end) kernels::majorant_advance(view, medium, t_end, walk);
     }
-    if (begin >= 0) run(begin, t_end);
+    return !(begin >= 0 && !run(begin, t_end)) && cut;
 }
 
 Vec8 points(vec3 origin, vec3 direction, Float8 t) {
@@ -157,7 +161,7 @@ struct MarchShortcuts::Data {
     void fill_lattice(const kernels::Light& light, DepthLattice& lattice) const;
     bool solids_near(const CompiledScene& scene, const kernels::Light& light) const;
 
-    float depth_from(vec3 origin, vec3 direction, float distance) const;
+    float depth_from(vec3 origin, vec3 direction, float distance, bool& bound) const;
     vec3 shadow(vec3 origin, vec3 direction, float distance, const kernels::Inside& inside, float start,
                 bool& bound) const;
     void march(float t_end, ScatterState& state) const;
@@ -240,7 +244,9 @@ void MarchShortcuts::Data::fill_lattice(const kernels::Light& light, DepthLattic
         const glm::mat3 inverse = glm::inverse(glm::mat3(m));
         return mat4x3(inverse[0], inverse[1], inverse[2], -(inverse * m[3]));
     }();
+    std::atomic<bool> cut{false};
     parallel_for(std::size_t(lattice.cells.z) + 1, 1, [&](std::size_t first, std::size_t end) {
+        bool bound = false;
         for (std::size_t k = first; k < end; ++k)
             for (int j = 0; j <= lattice.cells.y; ++j)
                 for (int i = 0; i <= lattice.cells.x; ++i) {
@@ -252,22 +258,25 @@ void MarchShortcuts::Data::fill_lattice(const kernels::Light& light, DepthLattic
                     const vec3 d = tool.medium.world_to_grid * vec4(a.direction, 0);
                     float t0 = 0, t1 = std::min(a.distance, settings.shadow_reach);
                     if (!box_span(tool, index, d, t0, t1)) continue;
-                    lattice.depth[at] = depth_from(p, a.direction, t1);
+                    lattice.depth[at] = depth_from(p, a.direction, t1, bound);
                 }
+        if (bound) cut = true;
     });
+    lattice.cut = cut;
 }
 
 // Depth of density 1 along a ray that begins in the box, by steps of shadows in the medium.
-float MarchShortcuts::Data::depth_from(vec3 origin, vec3 direction, float distance) const {
+float MarchShortcuts::Data::depth_from(vec3 origin, vec3 direction, float distance, bool& bound) const {
     const Tool tool(view, target.medium);
     const vec3 o = tool.medium.world_to_grid * vec4(origin, 1), d = tool.medium.world_to_grid * vec4(direction, 0);
     Float8 sum = splat(0.0f);
-    each_batch(view, tool.medium, origin, direction, distance, settings.shadow_step, 0.5f, [&](int first, int count) {
-        Float8 t, width;
-        steps_at(first, settings.shadow_step, 0.5f, distance, t, width);
-        sum += tool.density(points(o, d, t), (1u << count) - 1) * width;
-        return true;
-    });
+    bound |= each_batch(view, tool.medium, origin, direction, distance, settings.shadow_step, 0.5f,
+                        [&](int first, int count) {
+                            Float8 t, width;
+                            steps_at(first, settings.shadow_step, 0.5f, distance, t, width);
+                            sum += tool.density(points(o, d, t), (1u << count) - 1) * width;
+                            return true;
+                        });
     float total = 0;
     for (int i = 0; i < 8; ++i) total += sum[i];
     return total;
@@ -289,12 +298,13 @@ vec3 MarchShortcuts::Data::shadow(vec3 origin, vec3 direction, float distance, c
     const float way = t1 - t0;
     const vec3 entry = o + t0 * d, world = origin + t0 * direction;
     Float8 sum = splat(0.0f);
-    each_batch(view, tool.medium, world, direction, way, s.surface_shadow_step, start, [&](int first, int count) {
-        Float8 t, width;
-        steps_at(first, s.surface_shadow_step, start, way, t, width);
-        sum += tool.density(points(entry, d, t), (1u << count) - 1) * width;
-        return true;
-    });
+    bound |=
+        each_batch(view, tool.medium, world, direction, way, s.surface_shadow_step, start, [&](int first, int count) {
+            Float8 t, width;
+            steps_at(first, s.surface_shadow_step, start, way, t, width);
+            sum += tool.density(points(entry, d, t), (1u << count) - 1) * width;
+            return true;
+        });
     float depth = 0;
     for (int i = 0; i < 8; ++i) depth += sum[i];
     return kernels::exp_minus((tool.medium.scattering + tool.medium.absorption) * depth);
@@ -311,7 +321,7 @@ void MarchShortcuts::Data::march(float t_end, ScatterState& state) const {
     const vec3 o = medium.world_to_grid * vec4(origin, 1), d = medium.world_to_grid * vec4(direction, 0);
     const vec3 extinction = medium.scattering + medium.absorption;
     const vec3 sky = medium.scattering * kernels::scatter_sky(view, vec3(0));
-    each_batch(view, medium, origin, direction, t_end, settings.step, state.start, [&](int first, int count) {
+    const auto take = [&](int first, int count) {
         Float8 t, width;
         steps_at(first, settings.step, state.start, t_end, t, width);
         const Vec8 p = points(o, d, t);
@@ -322,8 +332,10 @@ void MarchShortcuts::Data::march(float t_end, ScatterState& state) const {
         const Vec8 world = points(origin, direction, t);
         Float8 source[3] = {splat(sky.x), splat(sky.y), splat(sky.z)};
         for (uint l = 0; l < view.light_count; ++l)
-            if (kernels::single_scatter_light(view.lights.at[l].kind))
+            if (kernels::single_scatter_light(view.lights.at[l].kind)) {
+                state.bound_reached |= target.lattices[l].cut;
                 add_light(tool, view.lights.at[l], target.lattices[l], direction, p, world, lanes, source);
+            }
         // scatter_step() for all at once, but for what the steps before leave of the light.
         Float8 left[3], gain[3];
         for (int k = 0; k < 3; ++k) {
@@ -342,7 +354,8 @@ void MarchShortcuts::Data::march(float t_end, ScatterState& state) const {
         if (kernels::max_component(state.transmitted) >= opaque) return true;
         state.transmitted = vec3(0);
         return false;
-    });
+    };
+    state.bound_reached |= each_batch(view, medium, origin, direction, t_end, settings.step, state.start, take);
 }
 
 // What arrives of a light at eight points, and is scattered along the ray.
