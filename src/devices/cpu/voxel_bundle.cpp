@@ -49,6 +49,7 @@ __m256 greatest(__m256 x) {
     return _mm256_max_ps(x, _mm256_shuffle_ps(x, x, _MM_SHUFFLE(2, 3, 0, 1)));
 }
 __m256 front(__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); }
+__m256 pick(__m256 x, __m256i lanes) { return _mm256_permutevar8x32_ps(x, lanes); }
 float number(__m256 x) { return _mm256_cvtss_f32(x); }
 
 // Whether all rays are neighbours, as are_neighbours() means it, that stand still along no axis, and near enough for
@@ -138,7 +139,6 @@ void open_node(const Bundle& b, const VoxelNode& node, ivec3 lower, int edge, Bu
     n.together = b.width + number(enter) * b.growth <= 0.5f * float(edge);
 
     // A lane for each of eight children: by four along x, two along y.
-    const auto pick = [](__m256 x, __m256i lanes) { return _mm256_permutevar8x32_ps(x, lanes); };
     const __m256i x = _mm256_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3), y = _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
     const __m256i one = _mm256_set1_epi32(1), two = _mm256_set1_epi32(2);
     const __m256 x_in = _mm256_max_ps(pick(t[0].low, x), b.start);

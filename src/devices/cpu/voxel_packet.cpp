@@ -53,6 +53,11 @@ constexpr mask64 before[3][4] = {{~mask64(0), 0x7777777777777777u, 0x33333333333
                                  {~mask64(0), 0x0fff0fff0fff0fffu, 0x00ff00ff00ff00ffu, 0x000f000f000f000fu},
                                  {~mask64(0), 0x0000ffffffffffffu, 0x00000000ffffffffu, 0x000000000000ffffu}};
 
+// Minus how many of three masks are set in each lane.
+__m256i sum(__m256 x, __m256 y, __m256 z) {
+    return _mm256_add_epi32(int_columns(x), _mm256_add_epi32(int_columns(y), int_columns(z)));
+}
+
 // A node at a place for the rays in `active`: its planes, and those of its children that a ray may visit between
 // `enter` and `exit`. Its children are `edge` cells wide.
 void open_node(const VoxelNode& node, ivec3 lower, int edge, const VoxelPacket& packet, std::uint32_t flip,
@@ -71,9 +76,6 @@ void open_node(const VoxelNode& node, ivec3 lower, int edge, const VoxelPacket& 
         const __m256 step = _mm256_set1_ps(float(negative ? -edge : edge));
         __m256 plane = _mm256_set1_ps(float(lower[a] + (negative ? 4 * edge : 0)));
         for (int p = 0; p < 5; ++p, plane = _mm256_add_ps(plane, step)) n.t[a][p] = plane_t(axis, plane);
-        const auto sum = [](__m256 x, __m256 y, __m256 z) {
-            return _mm256_add_epi32(int_columns(x), _mm256_add_epi32(int_columns(y), int_columns(z)));
-        };
         const __m256* const t = n.t[a];
         passed[a] = sum(_mm256_cmp_ps(t[1], enter, _CMP_LT_OQ), _mm256_cmp_ps(t[2], enter, _CMP_LT_OQ),
                         _mm256_cmp_ps(t[3], enter, _CMP_LT_OQ));
