@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "core/parallel.h"
 #include "geometry/mesh/mesh_structures.h"
-#include "kernels/traverse.h"
 #include "render/grid_stream.h"
-#include "render/ray_packet.h"
+#include "render/ray_batch.h"
 #include "render/reference.h"
 
 namespace spinel {
@@ -21,25 +21,18 @@ using kernels::Ray;
 using kernels::SceneView;
 using kernels::uint;
 
-// The two questions of a method.
-struct Walk {
-    Hit (*closest)(const SceneView& scene, const Ray& ray, kernels::uint mask);
-    bool (*any)(const SceneView& scene, const Ray& ray, kernels::uint mask);
-};
+// The two questions of a method: nearest hits or, for `any`, whether there are some.
+using BatchWalk = std::function<void(std::span<const Ray> rays, kernels::uint mask, bool any, Hit* hits)>;
 
-Walk walk_of(TraceMethod method) {
-    if (method == TraceMethod::brute_force) return {brute_force_closest, brute_force_any};
-    return {[](const SceneView& scene, const Ray& ray, kernels::uint mask) {
-                return kernels::trace_closest(scene, ray, mask);
-            },
-            [](const SceneView& scene, const Ray& ray, kernels::uint mask) {
-                return kernels::trace_any(scene, ray, mask);
-            }};
-}
-
-// Distances beyond INFINITE, +∞ among them, mean "no limit".
-Ray as_ray(const TraceRay& ray) {
-    return {ray.origin, ray.t_min, ray.direction, std::min(ray.t_max, kernels::INFINITE)};
+void brute_force(const SceneView& scene, std::span<const Ray> rays, uint mask, bool any, Hit* hits) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (!any) {
+            hits[i] = brute_force_closest(scene, rays[i], mask);
+            continue;
+        }
+        hits[i] = kernels::no_hit(rays[i].t_max);
+        if (brute_force_any(scene, rays[i], mask)) hits[i].instance = 0;
+    }
 }
 
 bool is_usable(const Ray& ray) {
@@ -62,25 +55,6 @@ std::uint32_t material_slot(const SceneView& scene, const Hit& hit) {
 
 std::uint32_t material_of(const SceneView& scene, const Hit& hit) {
     return scene.slots.at[scene.instances.at[hit.instance].slot_first + material_slot(scene, hit)].material;
-}
-
-// The first hit whose surface has a material. t grows from hit to hit, so the loop ends.
-Hit first_material(const SceneView& scene, const Walk& walk, Ray ray, kernels::uint mask) {
-    for (;;) {
-        const Hit hit = walk.closest(scene, ray, mask);
-        if (!kernels::is_hit(hit) || material_of(scene, hit) != NONE) return hit;
-        assert(hit.t > ray.t_min);
-        ray.t_min = hit.t;
-    }
-}
-
-bool passes_into_material(const SceneView& scene, const Walk& walk, const Ray& ray) {
-    return scene.pass_through_count > 0 &&
-           kernels::is_hit(first_material(scene, walk, ray, kernels::TRACE_PASS_THROUGH));
-}
-
-bool any_material(const SceneView& scene, const Walk& walk, const Ray& ray) {
-    return walk.any(scene, ray, kernels::TRACE_SOLID) || passes_into_material(scene, walk, ray);
 }
 
 constexpr TraceHit miss = {std::numeric_limits<float>::infinity(), NONE, NONE, 0, 0, 0, 0, 0, 0, 0, 0, NONE};
@@ -125,66 +99,20 @@ Result<const Accelerator*> find_accelerator(const std::string& name) {
 
 namespace {
 
-// How far apart along an axis rays of a packet may begin.
-float packet_side(const SceneView& scene) {
-    if (scene.bounded_count == 0) return 0;
-    const kernels::BvhNode& all = scene.instance_nodes.at[0];
-    return 0.05f * kernels::max_component(all.upper - all.lower);
-}
-
-// Whether rays, all of them usable, are of one octant, side by side and of much the same direction, so that they are
-// faster together.
-bool are_coherent(const Ray rays[packet_size], float side) {
-    const auto octant = [](const Ray& ray) {
-        const glm::vec3 d = ray.direction;
-        return int(std::signbit(d.x)) + 2 * int(std::signbit(d.y)) + 4 * int(std::signbit(d.z));
-    };
-    const Ray& first = rays[0];
-    const float length2 = glm::dot(first.direction, first.direction);
-    for (int i = 0; i < packet_size; ++i) {
-        const Ray& ray = rays[i];
-        const glm::vec3 apart = glm::abs(ray.origin - first.origin);
-        const float along = glm::dot(ray.direction, first.direction);
-        if (!is_usable(ray) || octant(ray) != octant(first) || !(kernels::max_component(apart) <= side) ||
-            !(along * along > 0.9f * length2 * glm::dot(ray.direction, ray.direction)))
-            return false;
-    }
-    return true;
-}
-
-// As the walk of one ray for each of eight.
-void trace_packet(const SceneView& scene, const Walk& walk, Ray rays[packet_size], bool any, TraceHit* hits) {
-    constexpr unsigned all = (1u << packet_size) - 1;
-    if (any) {
-        const unsigned blocked = cpu_trace_any8(scene, rays, all, kernels::TRACE_SOLID);
-        for (int i = 0; i < packet_size; ++i)
-            if ((blocked >> i & 1) || passes_into_material(scene, walk, rays[i])) hits[i].t = 0;
-        return;
-    }
-    Hit found[packet_size];
-    cpu_trace_closest8(scene, rays, all, kernels::TRACE_ALL, found);
-    for (int i = 0; i < packet_size; ++i) {
-        if (!kernels::is_hit(found[i])) continue;
-        if (material_of(scene, found[i]) == NONE) {
-            rays[i].t_min = found[i].t;
-            found[i] = first_material(scene, walk, rays[i], kernels::TRACE_ALL);
-            if (!kernels::is_hit(found[i])) continue;
-        }
-        hits[i] = report(scene, found[i]);
-    }
-}
+constexpr std::size_t batch_size = 4096;
 
 // A grid, the record of its finest cells, and no grid within it.
 bool is_uniform_grid(const SceneView& scene, const kernels::Mesh& mesh) {
     return mesh.walk == kernels::MESH_WALK_GRID && scene.words.at[mesh.reference_first] == 1;
 }
 
-// The streaming walk answers batches: rays that met an interface without a material go on in the next one.
-void trace_stream(const SceneView& scene, std::vector<Ray>& rays, std::vector<std::size_t>& names, bool any,
-                  std::vector<StreamPass>& passes, std::vector<TraceHit>& hits) {
+// Rays that met an interface without a material go on in the next batch; t grows from hit to hit, so this ends. Names
+// are places in `hits`.
+void trace_batch(const SceneView& scene, std::vector<Ray>& rays, std::vector<std::size_t>& names, bool any,
+                 const BatchWalk& walk, std::vector<TraceHit>& hits) {
     std::vector<Hit> found(rays.size());
     if (any) {
-        stream_trace(scene, rays, kernels::TRACE_SOLID, true, found.data(), passes);
+        walk(rays, kernels::TRACE_SOLID, true, found.data());
         std::size_t kept = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (kernels::is_hit(found[i])) {
@@ -197,7 +125,7 @@ void trace_stream(const SceneView& scene, std::vector<Ray>& rays, std::vector<st
         rays.resize(scene.pass_through_count > 0 ? kept : 0);
     }
     while (!rays.empty()) {
-        stream_trace(scene, rays, any ? kernels::TRACE_PASS_THROUGH : kernels::TRACE_ALL, false, found.data(), passes);
+        walk(rays, any ? kernels::TRACE_PASS_THROUGH : kernels::TRACE_ALL, false, found.data());
         std::size_t kept = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (!kernels::is_hit(found[i])) continue;
@@ -206,6 +134,7 @@ void trace_stream(const SceneView& scene, std::vector<Ray>& rays, std::vector<st
                 else hits[names[i]] = report(scene, found[i]);
                 continue;
             }
+            assert(found[i].t > rays[i].t_min);
             names[kept] = names[i];
             rays[kept] = rays[i];
             rays[kept++].t_min = found[i].t;
@@ -220,6 +149,18 @@ Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const
                                          const TraceOptions& options) {
     std::vector<TraceHit> hits(rays.size(), miss);
     const ThreadLimit limit(options.threads);
+    const auto trace = [&](std::size_t begin, std::size_t end, const BatchWalk& walk) {
+        std::vector<Ray> usable;
+        std::vector<std::size_t> names;
+        for (std::size_t i = begin; i < end; ++i) {
+            // Distances beyond INFINITE, +∞ among them, mean "no limit".
+            const Ray ray(rays[i].origin, rays[i].t_min, rays[i].direction, std::min(rays[i].t_max, kernels::INFINITE));
+            if (!is_usable(ray)) continue;
+            usable.push_back(ray);
+            names.push_back(i);
+        }
+        trace_batch(scene, usable, names, options.any, walk, hits);
+    };
     if (options.method == TraceMethod::stream) {
         for (uint i = 0; i < scene.instance_count; ++i) {
             const kernels::Instance& instance = scene.instances.at[i];
@@ -227,40 +168,22 @@ Result<std::vector<TraceHit>> trace_rays(const SceneView& scene, std::span<const
                 !is_uniform_grid(scene, scene.meshes.at[instance.geometry]))
                 return Error{"the streaming walk needs meshes that are built into 'grid'"};
         }
-        std::vector<Ray> usable;
-        std::vector<std::size_t> names;
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            const Ray ray = as_ray(rays[i]);
-            if (!is_usable(ray)) continue;
-            usable.push_back(ray);
-            names.push_back(i);
-        }
         std::vector<StreamPass> unread;
-        trace_stream(scene, usable, names, options.any, options.passes ? *options.passes : unread, hits);
+        std::vector<StreamPass>& passes = options.passes ? *options.passes : unread;
+        trace(0, rays.size(), [&](std::span<const Ray> some, uint mask, bool any, Hit* found) {
+            stream_trace(scene, some, mask, any, found, passes);
+        });
         return hits;
     }
-    const Walk walk = walk_of(options.method);
-    const float side = options.method == TraceMethod::walk ? packet_side(scene) : -1;
-    parallel_for(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + packet_size <= end) {
-                Ray packet[packet_size];
-                for (std::size_t k = 0; k < packet_size; ++k) packet[k] = as_ray(rays[i + k]);
-                if (are_coherent(packet, side)) {
-                    trace_packet(scene, walk, packet, options.any, &hits[i]);
-                    i += packet_size - 1;
-                    continue;
-                }
-            }
-            const Ray ray = as_ray(rays[i]);
-            if (!is_usable(ray)) continue;
-            if (options.any) {
-                if (any_material(scene, walk, ray)) hits[i].t = 0;
-                continue;
-            }
-            const Hit hit = first_material(scene, walk, ray, kernels::TRACE_ALL);
-            if (kernels::is_hit(hit)) hits[i] = report(scene, hit);
-        }
+    BatchWalk walk = [&](std::span<const Ray> some, uint mask, bool any, Hit* found) {
+        any ? device_batch_any(scene, some, mask, found) : device_batch_closest(scene, some, mask, found);
+    };
+    if (options.method == TraceMethod::brute_force)
+        walk = [&](std::span<const Ray> some, uint mask, bool any, Hit* found) {
+            brute_force(scene, some, mask, any, found);
+        };
+    parallel_for(rays.size(), batch_size, [&](std::size_t begin, std::size_t end) {
+        for (; begin < end; begin += batch_size) trace(begin, std::min(begin + batch_size, end), walk);
     });
     return hits;
 }

@@ -338,7 +338,8 @@ void expect_packets_equal_single_rays(int ray_count, std::uint32_t seed) {
     EXPECT_GT(hits, ray_count / 10);
 }
 
-// Rays of no relation, in batches of any size, with beams of neighbours between them.
+// Rays of no relation, in batches of any size, with beams of neighbours between them: of eight, or of 64 as wide as a
+// part of a cell or as several of them.
 void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -350,17 +351,25 @@ void expect_batches_equal_single_rays(int ray_count, std::uint32_t seed) {
         parts.place(kernels::GEOMETRY_VOXELS, 0, mat4x3(1), SLOTS);
         const kernels::SceneView& scene = parts.view();
         for (int i = 0; i < 100; ++i) {
-            std::vector<kernels::Ray> batch(random.below(200));
+            // Hits of large batches are written in another way.
+            std::vector<kernels::Ray> batch(i == 99 ? 20000 : random.below(300));
             std::vector<Hit> expected(batch.size());
+            const float spread = std::exp(random.uniform(-8, -2)), moved = i % 8 < 4 ? 0 : random.uniform(0, 2);
             for (std::size_t k = 0; k < batch.size(); ++k) {
-                kernels::Ray& r = batch[k] = awkward_ray(random, set.tree->size(), int(k));
-                if (i % 2 && k % 64 >= 8 && k % 8) {
+                kernels::Ray& r = batch[k] = awkward_ray(random, set.tree->size(), int(k + std::size_t(i)));
+                if (i % 4 == 1 && k % 64 >= 8 && k % 8) {
                     r = batch[k / 8 * 8];
                     r.direction *= random.uniform(0.95f, 1.05f);
                     r.origin.x += random.uniform(-3, 3);
                 }
+                if (i % 4 == 3 && k % 64) {
+                    r = batch[k / 64 * 64];
+                    r.direction += spread * glm::length(r.direction) * random.in_cube();
+                    r.origin += moved * random.in_cube();
+                    if (i % 3 == 0) r.origin = glm::round(r.origin);
+                }
                 if (k % 4 == 0) r.t_max = random.uniform(0, 100) / glm::length(r.direction);
-                if (k % 17 == 0) r.origin *= std::exp(random.uniform(0, 8));
+                if (k % 17 == 0 && i % 4 != 3) r.origin *= std::exp(random.uniform(0, 8));
                 expected[k] = kernels::no_hit(r.t_max);
                 kernels::voxels_closest(scene, 0, 0, r, expected[k]);
                 if (expected[k].t < r.t_max) expected[k].instance = 7;

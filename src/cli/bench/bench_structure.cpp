@@ -5,7 +5,7 @@
 
 #include "devices/cpu/voxel_walk.h"
 #include "kernels/traverse.h"
-#include "render/ray_packet.h"
+#include "devices/cpu/packet_trace.h"
 
 namespace spinel::cli {
 namespace {

@@ -1,7 +1,8 @@
 #pragma once
 // What is compiled for AVX2 whatever the rest of the program is compiled for, and chosen when the program runs. Between
 // SPINEL_AVX2_BEGIN and SPINEL_AVX2_END the compiler may use these instructions; functions from headers, which other
-// files share, stay as they are. Only what has_avx2() allows may be called.
+// files share, stay as they are. Only what has_avx2() allows may be called. SPINEL_AVX2_AS_ELSEWHERE_BEGIN is for what
+// has to round as kernels do in the same build: multiplications and additions are fused only if they are there.
 
 #if defined(__x86_64__) || defined(_M_X64)
 
@@ -11,9 +12,12 @@
 #ifdef __clang__
 #define SPINEL_AVX2_BEGIN \
     _Pragma("clang attribute push(__attribute__((target(\"avx2,fma,bmi,bmi2,popcnt\"))), apply_to = function)")
+#define SPINEL_AVX2_AS_ELSEWHERE_BEGIN \
+    _Pragma("clang attribute push(__attribute__((target(\"avx2,bmi,bmi2,popcnt\"))), apply_to = function)")
 #define SPINEL_AVX2_END _Pragma("clang attribute pop")
 #else
 #define SPINEL_AVX2_BEGIN _Pragma("GCC push_options") _Pragma("GCC target(\"avx2,fma,bmi,bmi2,popcnt\")")
+#define SPINEL_AVX2_AS_ELSEWHERE_BEGIN _Pragma("GCC push_options") _Pragma("GCC target(\"avx2,bmi,bmi2,popcnt\")")
 #define SPINEL_AVX2_END _Pragma("GCC pop_options")
 #endif
 

@@ -11,9 +11,9 @@
 #include "devices/cpu/dvr_packet.h"
 #include "devices/cpu/march.h"
 #include "devices/cpu/mesh_walk.h"
+#include "devices/cpu/packet_trace.h"
 #include "kernels/integrators.h"
 #include "kernels/traverse.h"
-#include "render/ray_packet.h"
 
 namespace spinel {
 namespace {

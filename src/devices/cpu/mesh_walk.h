@@ -2,8 +2,8 @@
 // Rays against the wide hierarchy of a mesh (kernels::WideUnit). The answer is that of kernels::triangle_watertight()
 // asked of every triangle, bit for bit: the least t, and of triangles met at the same t the one with the lowest index.
 
+#include "devices/cpu/packet_trace.h"
 #include "kernels/scene_view.h"
-#include "render/ray_packet.h"
 
 namespace spinel {
 

@@ -1,4 +1,4 @@
-#include "render/ray_packet.h"
+#include "devices/cpu/packet_trace.h"
 
 #include <algorithm>
 #include <bit>

@@ -8,7 +8,7 @@
 #include "devices/cpu/voxel_walk.h"
 
 #ifdef SPINEL_AVX2
-SPINEL_AVX2_BEGIN
+SPINEL_AVX2_AS_ELSEWHERE_BEGIN
 
 namespace spinel {
 
@@ -16,6 +16,13 @@ struct RayColumns {
     __m256 origin[3], t_min;
     __m256 direction[3], t_max;
 };
+
+// Rays are neighbours if their directions are within this part of the longest component of the first one's, and their
+// origins within so many cells.
+inline constexpr float neighbour_turn = 0.125f, neighbour_cells = 16;
+
+// Up to here whole cells can be told from rounding.
+inline constexpr float farthest_exact = 1e5f, longest_direction = 1e18f;
 
 inline __m256i int_columns(__m256 x) { return _mm256_castps_si256(x); }
 inline __m256 float_columns(__m256i x) { return _mm256_castsi256_ps(x); }
@@ -68,12 +75,12 @@ inline BoxPass pass_box(glm::ivec3 size, const RayColumns& ray, __m256 limit) {
     const __m256 far = _mm256_max_ps(_mm256_max_ps(magnitude(o[0]), magnitude(o[1])), magnitude(o[2]));
     p.reach = _mm256_add_ps(far, _mm256_set1_ps(float(glm::max(glm::max(size.x, size.y), size.z))));
     // Comparisons that fail for what is no number.
-    __m256 exact = _mm256_cmp_ps(p.reach, _mm256_set1_ps(1e5f), _CMP_LT_OQ);
+    __m256 exact = _mm256_cmp_ps(p.reach, _mm256_set1_ps(farthest_exact), _CMP_LT_OQ);
     p.start = ray.t_min;
     p.leave = limit;
     for (int a = 0; a < 3; ++a) {
         const __m256 d = ray.direction[a];
-        exact = _mm256_and_ps(exact, _mm256_cmp_ps(magnitude(d), _mm256_set1_ps(1e18f), _CMP_LT_OQ));
+        exact = _mm256_and_ps(exact, _mm256_cmp_ps(magnitude(d), _mm256_set1_ps(longest_direction), _CMP_LT_OQ));
         p.still[a] = _mm256_cmp_ps(magnitude(d), _mm256_set1_ps(kernels::TINY_DIRECTION), _CMP_LT_OQ);
         p.positive[a] = _mm256_andnot_ps(p.still[a], _mm256_cmp_ps(d, _mm256_setzero_ps(), _CMP_GT_OQ));
         p.inverse[a] = _mm256_div_ps(_mm256_set1_ps(1), d);
@@ -113,6 +120,10 @@ inline __m256i lane_mask(unsigned lanes) {
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit), bit);
 }
+
+// As cpu_voxels_closest_stream, for machines with AVX2.
+void stream_closest(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
+                    kernels::uint instance, std::span<const kernels::Ray> rays, kernels::Hit* hits);
 
 }  // namespace spinel
 

@@ -1,22 +1,11 @@
-// Eight coherent rays against a set of voxels: they go down the tree together, so that a node is loaded, its planes are
-// met and its children sorted once for all.
-//
-// A walk from cell to cell is an order of events: the ray meets plane p of an axis at t, earlier t first, at equal t x
-// before y before z (kernels/voxels.h). So a ray visits a cell exactly if it meets each plane by which it comes in
-// before each plane by which it goes out, and that can be asked of any cell, or node, by itself. Mirrored so that all
-// directions are positive, the children of a node in the order of their bits are in front-to-back order, and the first
-// cell that is not air is the hit: the very one, bit for bit, that the kernel finds.
-//
-// Rays of different octants, or that are no neighbours, are a stream (voxel_stream.cpp); those that start in something,
-// or where rounding is about a cell, go one by one.
-
 #include "devices/cpu/voxel_packet.h"
-
-#ifdef __AVX2__
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+
+#ifdef SPINEL_AVX2
+SPINEL_AVX2_AS_ELSEWHERE_BEGIN
 
 namespace spinel {
 
@@ -45,23 +34,6 @@ __m256 plane_t(const PacketAxis& axis, __m256 plane) {
     return _mm256_blendv_ps(t, ever, axis.still);
 }
 
-// The bits of a node's mask with axes turned round: `flip` has 3, 12, 48 set for x, y, z.
-mask64 mirrored(mask64 m, std::uint32_t flip) {
-    if (flip & 3) {
-        m = (m >> 1 & 0x5555555555555555u) | (m & 0x5555555555555555u) << 1;
-        m = (m >> 2 & 0x3333333333333333u) | (m & 0x3333333333333333u) << 2;
-    }
-    if (flip & 12) {
-        m = (m >> 4 & 0x0f0f0f0f0f0f0f0fu) | (m & 0x0f0f0f0f0f0f0f0fu) << 4;
-        m = (m >> 8 & 0x00ff00ff00ff00ffu) | (m & 0x00ff00ff00ff00ffu) << 8;
-    }
-    if (flip & 48) {
-        m = (m >> 16 & 0x0000ffff0000ffffu) | (m & 0x0000ffff0000ffffu) << 16;
-        m = m >> 32 | m << 32;
-    }
-    return m;
-}
-
 // A node that the packet is in.
 struct PacketNode {
     __m256 t[3][5];  // where the rays meet the planes between its children, in the order in which they meet them
@@ -81,9 +53,14 @@ constexpr mask64 before[3][4] = {{~mask64(0), 0x7777777777777777u, 0x33333333333
                                  {~mask64(0), 0x0fff0fff0fff0fffu, 0x00ff00ff00ff00ffu, 0x000f000f000f000fu},
                                  {~mask64(0), 0x0000ffffffffffffu, 0x00000000ffffffffu, 0x000000000000ffffu}};
 
+// Minus how many of three masks are set in each lane.
+__m256i sum(__m256 x, __m256 y, __m256 z) {
+    return _mm256_add_epi32(int_columns(x), _mm256_add_epi32(int_columns(y), int_columns(z)));
+}
+
 // A node at a place for the rays in `active`: its planes, and those of its children that a ray may visit between
 // `enter` and `exit`. Its children are `edge` cells wide.
-void open_node(const VoxelNode& node, ivec3 lower, int edge, const PacketAxis axes[3], std::uint32_t flip,
+void open_node(const VoxelNode& node, ivec3 lower, int edge, const VoxelPacket& packet, std::uint32_t flip,
                unsigned active, __m256 enter, __m256 exit, PacketNode& n) {
     n.mask = make_mask64(node.mask_low, node.mask_high);
     n.link = node.link;
@@ -93,13 +70,12 @@ void open_node(const VoxelNode& node, ivec3 lower, int edge, const PacketAxis ax
     // axis, below zero.
     __m256i passed[3], later[3];
     for (int a = 0; a < 3; ++a) {
-        const bool negative = axes[a].negative;
+        const bool negative = flip >> 2 * a & 1;
+        const PacketAxis axis = {packet.ray.origin[a], packet.box.inverse[a], packet.box.still[a],
+                                 bool(packet.still >> a & 1), negative};
         const __m256 step = _mm256_set1_ps(float(negative ? -edge : edge));
         __m256 plane = _mm256_set1_ps(float(lower[a] + (negative ? 4 * edge : 0)));
-        for (int p = 0; p < 5; ++p, plane = _mm256_add_ps(plane, step)) n.t[a][p] = plane_t(axes[a], plane);
-        const auto sum = [](__m256 x, __m256 y, __m256 z) {
-            return _mm256_add_epi32(int_columns(x), _mm256_add_epi32(int_columns(y), int_columns(z)));
-        };
+        for (int p = 0; p < 5; ++p, plane = _mm256_add_ps(plane, step)) n.t[a][p] = plane_t(axis, plane);
         const __m256* const t = n.t[a];
         passed[a] = sum(_mm256_cmp_ps(t[1], enter, _CMP_LT_OQ), _mm256_cmp_ps(t[2], enter, _CMP_LT_OQ),
                         _mm256_cmp_ps(t[3], enter, _CMP_LT_OQ));
@@ -162,16 +138,10 @@ void transpose(__m256 a, __m256 b, __m256 c, __m256 d, __m128 row[packet_size]) 
     }
 }
 
-// What the rays of a packet have met.
-struct PacketHits {
-    unsigned found;
-    __m256 t;
-    __m256i axis, palette, cell[3];
-};
-
 // The cells of a solid cube where rays come in by one of its faces; those in `first` begin there.
-void cells_of_cube(const RayColumns& ray, __m256 reach, ivec3 cube, int edge, __m256 t, __m256i axis, const Ray* rays,
-                   unsigned first, unsigned which, __m256i cell[3]) {
+void cells_of_cube(const VoxelPacket& packet, ivec3 cube, int edge, __m256 t, __m256i axis, unsigned first,
+                   unsigned which, __m256i cell[3]) {
+    const RayColumns& ray = packet.ray;
     unsigned doubtful = 0;
     for (int a = 0; a < 3; ++a) {
         const __m256i on_axis = _mm256_cmpeq_epi32(axis, _mm256_set1_epi32(a));
@@ -179,7 +149,7 @@ void cells_of_cube(const RayColumns& ray, __m256 reach, ivec3 cube, int edge, __
         const __m256 p = ray.origin[a] + t * ray.direction[a];
         cell[a] = _mm256_max_epi32(_mm256_min_epi32(_mm256_cvttps_epi32(p), top), lower);
         const __m256 fraction = _mm256_sub_ps(p, _mm256_cvtepi32_ps(cell[a]));
-        const __m256 doubt = _mm256_mul_ps(reach, _mm256_set1_ps(1e-6f));
+        const __m256 doubt = _mm256_mul_ps(packet.box.reach, _mm256_set1_ps(1e-6f));
         const __m256 sure = _mm256_and_ps(_mm256_cmp_ps(fraction, doubt, _CMP_GE_OQ),
                                           _mm256_cmp_ps(fraction, _mm256_sub_ps(_mm256_set1_ps(1), doubt), _CMP_LE_OQ));
         doubtful |= ~lanes_of(_mm256_or_ps(sure, float_columns(on_axis)));
@@ -196,7 +166,7 @@ void cells_of_cube(const RayColumns& ray, __m256 reach, ivec3 cube, int edge, __
     _mm256_store_ps(start, t);
     for (; doubtful; doubtful &= doubtful - 1) {
         const int i = std::countr_zero(doubtful);
-        const Ray& r = rays[i];
+        const Ray& r = packet.rays[i];
         for (int a = 0; a < 3; ++a)
             if (a != axes[i])
                 cells[a][i] = voxel_cell(r.origin[a], r.direction[a], safe_inverse(r.direction[a]), start[i],
@@ -205,48 +175,53 @@ void cells_of_cube(const RayColumns& ray, __m256 reach, ivec3 cube, int edge, __
     for (int a = 0; a < 3; ++a) cell[a] = _mm256_load_si256(reinterpret_cast<const __m256i*>(cells[a]));
 }
 
-// As kernels::voxel_hit for all of them.
-void write_hits(const PacketHits& hit, const RayColumns& ray, uint instance, Hit* hits) {
+// As kernels::voxel_hit for all eight, as rows of four numbers of a Hit; where nothing was found, as no_hit.
+struct HitRows {
+    __m128 row[3][packet_size];
+};
+
+HitRows hit_rows(const PacketSet& set, const VoxelPacket& packet) {
+    const RayColumns& ray = packet.ray;
     const __m256 zero = _mm256_setzero_ps(), one = _mm256_set1_ps(1);
+    const __m256 found = float_columns(lane_mask(packet.found));
     __m256 on_axis[3], p[3], normal[3], forward = zero;
     for (int a = 0; a < 3; ++a) {
-        on_axis[a] = float_columns(_mm256_cmpeq_epi32(hit.axis, _mm256_set1_epi32(a)));
+        on_axis[a] = _mm256_and_ps(found, float_columns(_mm256_cmpeq_epi32(packet.axis, _mm256_set1_epi32(a))));
         const __m256 negative = _mm256_cmp_ps(ray.direction[a], zero, _CMP_LT_OQ);
-        p[a] = ray.origin[a] + hit.t * ray.direction[a];  // as ray_at(), contracted or not
-        p[a] = _mm256_min_ps(_mm256_max_ps(_mm256_sub_ps(p[a], _mm256_cvtepi32_ps(hit.cell[a])), zero), one);
+        p[a] = ray.origin[a] + packet.t * ray.direction[a];  // as ray_at(), contracted or not
+        p[a] = _mm256_min_ps(_mm256_max_ps(_mm256_sub_ps(p[a], _mm256_cvtepi32_ps(packet.cell[a])), zero), one);
         normal[a] = _mm256_and_ps(on_axis[a], _mm256_blendv_ps(_mm256_set1_ps(-1), one, negative));
         forward = _mm256_or_ps(forward, _mm256_and_ps(on_axis[a], negative));
     }
     const __m256 u = _mm256_blendv_ps(_mm256_blendv_ps(p[1], p[2], on_axis[1]), p[0], on_axis[2]);
     const __m256 v = _mm256_blendv_ps(_mm256_blendv_ps(p[2], p[0], on_axis[1]), p[1], on_axis[2]);
-    const __m256i face = _mm256_sub_epi32(_mm256_add_epi32(hit.axis, hit.axis), int_columns(forward));
+    const __m256i face = _mm256_sub_epi32(_mm256_add_epi32(packet.axis, packet.axis), int_columns(forward));
+    const __m256 owner = _mm256_blendv_ps(all_lanes(), float_columns(_mm256_set1_epi32(int(set.instance))), found);
 
     static_assert(sizeof(Hit) == 12 * sizeof(float) && offsetof(Hit, uv) == 16 && offsetof(Hit, normal) == 36);
-    __m128 rows[3][packet_size];
-    transpose(hit.t, float_columns(_mm256_set1_epi32(int(instance))), float_columns(hit.palette), float_columns(face),
-              rows[0]);
-    transpose(u, v, float_columns(hit.cell[0]), float_columns(hit.cell[1]), rows[1]);
-    transpose(float_columns(hit.cell[2]), normal[0], normal[1], normal[2], rows[2]);
-    for (unsigned rest = hit.found; rest; rest &= rest - 1) {
-        const int i = std::countr_zero(rest);
-        for (int k = 0; k < 3; ++k) _mm_storeu_ps(&hits[i].t + 4 * k, rows[k][i]);
-    }
+    static_assert(NONE == 0xffffffffu);
+    HitRows rows;
+    transpose(_mm256_blendv_ps(packet.limit, packet.t, found), owner, float_columns(packet.palette),
+              float_columns(face), rows.row[0]);
+    transpose(_mm256_and_ps(u, found), _mm256_and_ps(v, found), float_columns(packet.cell[0]),
+              float_columns(packet.cell[1]), rows.row[1]);
+    transpose(float_columns(packet.cell[2]), normal[0], normal[1], normal[2], rows.row[2]);
+    return rows;
 }
 
 }  // namespace
 
 bool are_neighbours(const RayColumns& ray, unsigned lanes) {
     const auto front = [](__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); };
-    // Directions within an eighth of the longest component of the first, places within 16 cells of the first.
     const __m256* const d = ray.direction;
     const __m256 longest = front(_mm256_max_ps(_mm256_max_ps(magnitude(d[0]), magnitude(d[1])), magnitude(d[2])));
-    const __m256 turn = _mm256_mul_ps(longest, _mm256_set1_ps(0.125f));
+    const __m256 turn = _mm256_mul_ps(longest, _mm256_set1_ps(neighbour_turn));
     __m256 near = all_lanes();
     for (int a = 0; a < 3; ++a) {
         const __m256 turned = magnitude(_mm256_sub_ps(d[a], front(d[a])));
         const __m256 moved = magnitude(_mm256_sub_ps(ray.origin[a], front(ray.origin[a])));
         near = _mm256_and_ps(near, _mm256_and_ps(_mm256_cmp_ps(turned, turn, _CMP_LE_OQ),
-                                                 _mm256_cmp_ps(moved, _mm256_set1_ps(16), _CMP_LE_OQ)));
+                                                 _mm256_cmp_ps(moved, _mm256_set1_ps(neighbour_cells), _CMP_LE_OQ)));
         const unsigned up = lanes_of(_mm256_cmp_ps(d[a], _mm256_set1_ps(TINY_DIRECTION), _CMP_GE_OQ)) & lanes;
         const unsigned down = lanes_of(_mm256_cmp_ps(d[a], _mm256_set1_ps(-TINY_DIRECTION), _CMP_LE_OQ)) & lanes;
         if (up && down) return false;
@@ -254,98 +229,132 @@ bool are_neighbours(const RayColumns& ray, unsigned lanes) {
     return (lanes_of(near) & lanes) == lanes;
 }
 
-unsigned packet_closest(const SceneView& scene, uint grid_index, uint slot_first, uint instance, const RayColumns& ray,
-                        const Ray* rays, unsigned lanes, Hit* hits) {
-    const VoxelGrid& grid = scene.voxel_grids.at[grid_index];
-    alignas(32) float limits[packet_size];
-    for (int i = 0; i < packet_size; ++i) limits[i] = lanes >> i & 1 ? hits[i].t : -INFINITE;
-    const __m256 limit = _mm256_load_ps(limits);
-    const BoxPass box = pass_box(grid.size, ray, limit);
-    const unsigned from_outside = lanes_of(box.from_outside);
-    unsigned single = lanes & ~box.exact;
-    // Of the rays that have found nothing yet.
-    unsigned alive = lanes_of(_mm256_cmp_ps(box.start, box.leave, _CMP_LT_OQ)) & lanes & box.exact;
+VoxelPacket make_packet(const PacketSet& set, const RayColumns& ray, const Ray* rays, unsigned lanes, __m256 limit) {
+    VoxelPacket p;
+    p.ray = ray;
+    p.rays = rays;
+    p.limit = limit;
+    p.box = pass_box(set.grid.size, ray, limit);
+    p.single = lanes & ~p.box.exact;
+    p.alive = lanes_of(_mm256_cmp_ps(p.box.start, p.box.leave, _CMP_LT_OQ)) & lanes & p.box.exact;
+    p.still = 0;
+    for (int a = 0; a < 3; ++a)
+        if (lanes_of(p.box.still[a]) & p.alive) p.still |= 1u << a;
+    p.found = 0;
+    p.t = _mm256_setzero_ps();
+    p.axis = p.palette = p.cell[0] = p.cell[1] = p.cell[2] = _mm256_setzero_si256();
+    return p;
+}
 
-    PacketAxis axes[3];
+std::uint32_t flip_of(const VoxelPacket& p) {
     std::uint32_t flip = 0;
-    for (int a = 0; a < 3; ++a) {
-        const unsigned still = lanes_of(box.still[a]) & alive;
-        const bool negative = (lanes_of(ray.direction[a]) & alive & ~still) != 0;
-        axes[a] = {ray.origin[a], box.inverse[a], box.still[a], still != 0, negative};
-        if (negative) flip |= 3u << (2 * a);
-    }
+    for (int a = 0; a < 3; ++a)
+        if (lanes_of(p.ray.direction[a]) & p.alive & ~lanes_of(p.box.still[a])) flip |= 3u << (2 * a);
+    return flip;
+}
 
+void meet_cube(const PacketSet& set, VoxelPacket& p, const CubePass& pass, ivec3 lower, int edge, uint palette,
+               unsigned lanes) {
+    if (voxel_class(set.scene, set.slot_first, palette) == VOXEL_AIR) return;
+    const __m256 in = pass.last_in;
+    const unsigned ties = lanes_of(_mm256_cmp_ps(in, pass.first_out, _CMP_EQ_OQ)) & lanes;
+    if (ties) [[unlikely]]
+        lanes &= ~ties | in_order(pass.in[0], pass.in[1], pass.in[2], pass.out[0], pass.out[1], pass.out[2]);
+    p.alive &= ~lanes;
+    // Where the walk begins: on a face of the box, or, for the kernel to tell, inside of something.
+    const __m256 begins = _mm256_cmp_ps(in, p.box.start, _CMP_LE_OQ);
+    const unsigned first = lanes_of(begins) & lanes;
+    const unsigned inside = first & ~lanes_of(p.box.from_outside);
+    p.single |= inside;
+    const unsigned hit = lanes & ~inside;
+    if (!hit) return;
+    // The plane met last; of the box that met first.
+    __m256i axis = last_axis(pass.in[0], pass.in[1], pass.in[2]);
+    if (first) [[unlikely]]
+        axis = _mm256_blendv_epi8(axis, first_axis(p.box.enter), int_columns(begins));
+    __m256i cell[3];
+    if (edge == 1)
+        for (int a = 0; a < 3; ++a) cell[a] = _mm256_set1_epi32(lower[a]);
+    else cells_of_cube(p, lower, edge, in, axis, first, hit, cell);
+    const __m256i now = lane_mask(hit);
+    p.t = _mm256_blendv_ps(p.t, in, float_columns(now));
+    p.axis = _mm256_blendv_epi8(p.axis, axis, now);
+    p.palette = _mm256_blendv_epi8(p.palette, _mm256_set1_epi32(int(palette)), now);
+    for (int a = 0; a < 3; ++a) p.cell[a] = _mm256_blendv_epi8(p.cell[a], cell[a], now);
+    p.found |= hit;
+}
+
+void walk_node(const PacketSet& set, VoxelPacket& p, const VoxelNode& node, ivec3 lower, int level, unsigned lanes,
+               __m256 enter, __m256 exit) {
     PacketNode stack[VOXEL_MAX_LEVELS];
-    uint level = grid.level_count - 1;
-    const VoxelNode* const nodes = scene.voxel_nodes.at + grid.node_first;
-    const uint* const references = grid.reference_first == NONE ? nullptr : scene.words.at + grid.reference_first;
-    if (alive) open_node(grid.root, ivec3(0), 1 << (2 * level), axes, flip, alive, box.start, box.leave, stack[level]);
-
-    const __m256i none = _mm256_setzero_si256();
-    PacketHits met = {0, _mm256_setzero_ps(), none, none, {none, none, none}};
-    while (alive) {
+    const int top = level;
+    open_node(node, lower, 1 << (2 * level), p, set.flip, lanes, enter, exit, stack[level]);
+    while (p.alive) {
         PacketNode& n = stack[level];
-        const unsigned here = n.lanes & alive;
+        const unsigned here = n.lanes & p.alive;
         if (!here || !n.todo) {
-            if (++level == grid.level_count) break;
+            if (++level > top) break;
             continue;
         }
         const uint bit = uint(std::countr_zero(n.todo));
         n.todo &= n.todo - 1;
         const uint ix = bit & 3, iy = bit >> 2 & 3, iz = bit >> 4;
-        const __m256 x_in = n.t[0][ix], y_in = n.t[1][iy], z_in = n.t[2][iz];
-        const __m256 x_out = n.t[0][ix + 1], y_out = n.t[1][iy + 1], z_out = n.t[2][iz + 1];
-        const __m256 in = _mm256_max_ps(_mm256_max_ps(x_in, y_in), z_in);
-        const __m256 out = _mm256_min_ps(_mm256_min_ps(x_out, y_out), z_out);
-        const __m256 visits =
-            _mm256_and_ps(_mm256_and_ps(_mm256_cmp_ps(in, out, _CMP_LE_OQ), _mm256_cmp_ps(out, box.start, _CMP_GT_OQ)),
-                          _mm256_cmp_ps(in, limit, _CMP_LT_OQ));
-        unsigned visiting = lanes_of(visits) & here;
-        if (!visiting) continue;
+        CubePass pass;
+        pass.in[0] = n.t[0][ix], pass.in[1] = n.t[1][iy], pass.in[2] = n.t[2][iz];
+        pass.out[0] = n.t[0][ix + 1], pass.out[1] = n.t[1][iy + 1], pass.out[2] = n.t[2][iz + 1];
+        const unsigned visit = visiting(p, pass) & here;
+        if (!visit) continue;
 
-        const uint digit = bit ^ flip;
+        const uint digit = bit ^ set.flip;
         const uint rank = popcount64(mask64_below(n.mask, digit));
-        const ivec3 lower = n.lower + (ivec3(digit & 3, digit >> 2 & 3, digit >> 4) << int(2 * level));
+        const ivec3 corner = n.lower + (ivec3(digit & 3, digit >> 2 & 3, digit >> 4) << 2 * level);
+        const VoxelNode plain(uint(n.mask), uint(n.mask >> 32), n.link);
         if ((n.link & VOXEL_LINK_KIND) == VOXEL_LINK_CHILDREN) {
-            const uint at = n.link + rank;
             --level;
-            open_node(nodes[references ? references[at] : at], lower, 1 << (2 * level), axes, flip, visiting,
-                      _mm256_max_ps(in, box.start), _mm256_min_ps(out, box.leave), stack[level]);
-            continue;
+            open_node(voxel_child(set.scene, set.grid, plain, rank), corner, 1 << (2 * level), p, set.flip, visit,
+                      _mm256_max_ps(pass.last_in, p.box.start), _mm256_min_ps(pass.first_out, p.box.leave),
+                      stack[level]);
+        } else {
+            meet_cube(set, p, pass, corner, 1 << (2 * level), voxel_palette(set.scene, set.grid, plain, rank), visit);
         }
-        const uint palette = voxel_palette(scene, grid, VoxelNode(uint(n.mask), uint(n.mask >> 32), n.link), rank);
-        if (voxel_class(scene, slot_first, palette) == VOXEL_AIR) continue;
-
-        const unsigned ties = lanes_of(_mm256_cmp_ps(in, out, _CMP_EQ_OQ)) & visiting;
-        if (ties) [[unlikely]]
-            visiting &= ~ties | in_order(x_in, y_in, z_in, x_out, y_out, z_out);
-        // Where the walk begins: on a face of the box, or, for the kernel to tell, inside of something.
-        const unsigned first = lanes_of(_mm256_cmp_ps(in, box.start, _CMP_LE_OQ)) & visiting;
-        single |= first & ~from_outside;
-        const unsigned hit = visiting & ~(first & ~from_outside);
-        if (hit) {
-            // The plane met last; of the box that met first.
-            __m256i axis = last_axis(x_in, y_in, z_in);
-            if (first) [[unlikely]]
-                axis = _mm256_blendv_epi8(axis, first_axis(box.enter),
-                                          int_columns(_mm256_cmp_ps(in, box.start, _CMP_LE_OQ)));
-            __m256i cell[3];
-            if (level == 0)
-                for (int a = 0; a < 3; ++a) cell[a] = _mm256_set1_epi32(lower[a]);
-            else cells_of_cube(ray, box.reach, lower, 1 << (2 * level), in, axis, rays, first, hit, cell);
-            const __m256i now = lane_mask(hit);
-            met.t = _mm256_blendv_ps(met.t, in, float_columns(now));
-            met.axis = _mm256_blendv_epi8(met.axis, axis, now);
-            met.palette = _mm256_blendv_epi8(met.palette, _mm256_set1_epi32(int(palette)), now);
-            for (int a = 0; a < 3; ++a) met.cell[a] = _mm256_blendv_epi8(met.cell[a], cell[a], now);
-            met.found |= hit;
-        }
-        alive &= ~visiting;
     }
-    if (met.found) write_hits(met, ray, instance, hits);
-    return met.found | closest_one_by_one(scene, grid_index, slot_first, instance, rays, single, hits);
+}
+
+void write_found(const PacketSet& set, const VoxelPacket& packet, Hit* hits) {
+    if (!packet.found) return;
+    const HitRows rows = hit_rows(set, packet);
+    for (unsigned rest = packet.found; rest; rest &= rest - 1) {
+        const int i = std::countr_zero(rest);
+        for (int k = 0; k < 3; ++k) _mm_storeu_ps(&hits[i].t + 4 * k, rows.row[k][i]);
+    }
+}
+
+void write_all(const PacketSet& set, const VoxelPacket& packet, bool streaming, Hit* hits) {
+    const HitRows rows = hit_rows(set, packet);
+    float* const at = &hits->t;
+    if (streaming)
+        for (int i = 0; i < packet_size; ++i)
+            for (int k = 0; k < 3; ++k) _mm_stream_ps(at + 12 * i + 4 * k, rows.row[k][i]);
+    else
+        for (int i = 0; i < packet_size; ++i)
+            for (int k = 0; k < 3; ++k) _mm_storeu_ps(at + 12 * i + 4 * k, rows.row[k][i]);
+}
+
+unsigned packet_closest(const SceneView& scene, uint grid, uint slot_first, uint instance, const RayColumns& ray,
+                        const Ray* rays, unsigned lanes, Hit* hits) {
+    PacketSet set = {scene, scene.voxel_grids.at[grid], grid, slot_first, instance, 0};
+    alignas(32) float limits[packet_size];
+    for (int i = 0; i < packet_size; ++i) limits[i] = lanes >> i & 1 ? hits[i].t : -INFINITE;
+    VoxelPacket packet = make_packet(set, ray, rays, lanes, _mm256_load_ps(limits));
+    set.flip = flip_of(packet);
+    if (packet.alive)
+        walk_node(set, packet, set.grid.root, ivec3(0), int(set.grid.level_count) - 1, packet.alive, packet.box.start,
+                  packet.box.leave);
+    write_found(set, packet, hits);
+    return packet.found | closest_one_by_one(scene, grid, slot_first, instance, rays, packet.single, hits);
 }
 
 }  // namespace spinel
 
+SPINEL_AVX2_END
 #endif

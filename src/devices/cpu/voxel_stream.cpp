@@ -9,15 +9,14 @@
 //
 // Rays that start in something, or where rounding is about a cell, go one by one.
 
-#include "devices/cpu/voxel_walk.h"
-
-#ifdef __AVX2__
-
 #include <algorithm>
 #include <cstddef>
 
 #include "devices/cpu/ray_columns.h"
 #include "kernels/device.h"
+
+#ifdef SPINEL_AVX2
+SPINEL_AVX2_AS_ELSEWHERE_BEGIN
 
 namespace spinel {
 
@@ -470,26 +469,12 @@ class Stream {
 
 }  // namespace
 
-void cpu_voxels_closest_stream(const SceneView& scene, uint grid, uint slot_first, uint instance,
-                               std::span<const Ray> rays, Hit* hits) {
+void stream_closest(const SceneView& scene, uint grid, uint slot_first, uint instance, std::span<const Ray> rays,
+                    Hit* hits) {
     if (!rays.empty()) Stream(scene, grid, slot_first, instance, rays, hits).run();
 }
 
 }  // namespace spinel
 
-#else
-
-namespace spinel {
-
-void cpu_voxels_closest_stream(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
-                               kernels::uint instance, std::span<const kernels::Ray> rays, kernels::Hit* hits) {
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        hits[i] = kernels::no_hit(rays[i].t_max);
-        cpu_voxels_closest(scene, grid, slot_first, rays[i], hits[i]);
-        if (hits[i].t < rays[i].t_max) hits[i].instance = instance;
-    }
-}
-
-}  // namespace spinel
-
+SPINEL_AVX2_END
 #endif

@@ -5,8 +5,8 @@
 
 #include <span>
 
+#include "devices/cpu/packet_trace.h"
 #include "kernels/voxels.h"
-#include "render/ray_packet.h"
 
 namespace spinel {
 

@@ -1,6 +1,6 @@
 #pragma once
 // Eight coherent rays against the scene on the CPU: as kernels::trace_closest and trace_any for each, bit for bit.
-// Where sets of voxels and wide hierarchies of meshes stand they go together (devices/cpu/packet_trace.cpp).
+// Where sets of voxels and wide hierarchies of meshes stand they go together.
 
 #include "kernels/scene_view.h"
 
