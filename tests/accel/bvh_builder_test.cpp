@@ -88,7 +88,7 @@ TEST(BvhBuilder, every_box_lies_in_one_leaf_and_in_all_its_ancestors) {
 }
 
 TEST(BvhBuilder, the_tree_does_not_depend_on_the_number_of_threads) {
-    const std::vector<Box> boxes = random_boxes(100000, 2);
+    const std::vector<Box> boxes = random_boxes(40000, 2);
     for (const BvhMethod method : all_methods) {
         std::vector<Bvh> trees;
         for (const int threads : {1, 2, 4}) {
