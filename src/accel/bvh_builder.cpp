@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "accel/bvh_bounds.h"
-#include "core/parallel.h"
+#include "accel/bvh_top_down.h"
+#include "accel/pair_tree.h"
 
 namespace spinel {
 namespace {
@@ -16,7 +16,6 @@ using bvh::Bounds;
 using bvh::Primitive;
 
 constexpr int bin_count = 16;
-constexpr std::size_t parallel_threshold = 4096;  // primitives below which a subtree is not worth a task
 
 struct Split {
     int axis = -1;  // −1: none found
@@ -26,45 +25,17 @@ struct Split {
 
 class Builder {
   public:
-    Builder(std::vector<Primitive>& primitives, const BvhOptions& options, std::vector<kernels::BvhNode>& nodes)
-        : primitives_(primitives), options_(options), nodes_(nodes) {}
+    Builder(std::vector<Primitive>& primitives, const BvhOptions& options)
+        : primitives_(primitives), options_(options) {}
 
-    // Fills nodes_[node] and its subtree over primitives [begin, end). The subtree's other nodes go to [pool,
-    // pool + 2·(end − begin) − 2), which always suffices; the gaps that larger leaves leave are closed
-    // afterwards.
-    void build(std::size_t node, std::size_t pool, std::size_t begin, std::size_t end, int depth) {
-        const std::size_t count = end - begin;
-        Bounds bounds = Bounds::empty();
+    // As bvh::build_top_down() wants it.
+    std::size_t split(std::size_t begin, std::size_t end, int depth, Bounds& bounds) {
         Bounds centers = Bounds::empty();
         for (std::size_t i = begin; i < end; ++i) {
             bounds.extend(primitives_[i].bounds);
             centers.extend_center(primitives_[i].bounds);
         }
-        kernels::BvhNode& out = nodes_[node];
-        out.lower = {bounds.lower[0], bounds.lower[1], bounds.lower[2]};
-        out.upper = {bounds.upper[0], bounds.upper[1], bounds.upper[2]};
-
-        const std::size_t middle = partition(bounds, centers, begin, end, depth);
-        if (middle == begin) {
-            out.first = static_cast<std::uint32_t>(begin);
-            out.count = static_cast<std::uint32_t>(count);
-            return;
-        }
-        out.first = static_cast<std::uint32_t>(pool);
-        out.count = 0;
-        const std::size_t left_pool = pool + 2;
-        const std::size_t right_pool = left_pool + 2 * (middle - begin) - 2;
-        const auto left = [&] { build(pool, left_pool, begin, middle, depth + 1); };
-        const auto right = [&] { build(pool + 1, right_pool, middle, end, depth + 1); };
-        if (count < parallel_threshold) {
-            left();
-            right();
-        } else {
-            parallel_for(2, 1, [&](std::size_t first, std::size_t last) {
-                if (first == 0) left();
-                if (last == 2) right();
-            });
-        }
+        return partition(bounds, centers, begin, end, depth);
     }
 
   private:
@@ -161,7 +132,6 @@ class Builder {
 
     std::vector<Primitive>& primitives_;
     const BvhOptions& options_;
-    std::vector<kernels::BvhNode>& nodes_;
 };
 
 }  // namespace
@@ -170,12 +140,21 @@ Bvh build_bvh(std::span<const Box> boxes, const BvhOptions& options) {
     assert(boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
     assert(options.max_leaf >= 1 && options.max_leaf <= kernels::BVH_MAX_LEAF);
     std::vector<Primitive> primitives = bvh::usable_primitives(boxes);
-    Bvh bvh;
-    if (primitives.empty()) return bvh;
+    if (primitives.empty()) return {};
     if (options.method == BvhMethod::sweep) return bvh::build_by_sweep(std::move(primitives), options);
-    std::vector<kernels::BvhNode> sparse(2 * primitives.size() - 1);
-    Builder(primitives, options, sparse).build(0, 1, 0, primitives.size(), 0);
-    bvh::compact(sparse, options.traversal_cost, bvh);
+    const bool moved = options.method == BvhMethod::reinsertion;
+    BvhOptions first = options;
+    if (moved) first = {.max_leaf = 1, .traversal_cost = options.traversal_cost};
+    Builder builder(primitives, first);
+    const auto split = [&](std::size_t begin, std::size_t end, int depth, Bounds& bounds) {
+        return builder.split(begin, end, depth, bounds);
+    };
+    Bvh bvh = bvh::build_top_down(primitives.size(), split, options.traversal_cost);
+    if (moved) {
+        bvh::PairTree tree = bvh::pair_tree(bvh);
+        bvh::optimize(tree);
+        return bvh::finish(tree, primitives, options);
+    }
     bvh.order.reserve(primitives.size());
     for (const Primitive& primitive : primitives) bvh.order.push_back(primitive.index);
     return bvh;

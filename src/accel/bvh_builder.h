@@ -17,9 +17,10 @@ struct Box {
 };
 
 enum class BvhMethod {
-    binned,  // surface area heuristic at sixteen planes an axis
-    sweep,   // at every plane between two primitives: slower to build, a little better
-    median,  // halves by number, along the widest axis: no heuristic at all
+    binned,       // surface area heuristic at sixteen planes an axis
+    sweep,        // at every plane between two primitives: slower to build, a little better
+    reinsertion,  // the binned tree, its nodes moved to where they cost the least: many times slower to build
+    median,       // halves by number, along the widest axis: no heuristic at all
 };
 
 struct BvhOptions {

@@ -4,13 +4,10 @@
 
 #include <numeric>
 
-#include "accel/bvh_bounds.h"
-#include "core/parallel.h"
+#include "accel/bvh_top_down.h"
 
 namespace spinel::bvh {
 namespace {
-
-constexpr std::size_t parallel_threshold = 8192;
 
 using Index = std::uint32_t;
 
@@ -21,8 +18,7 @@ class SweepBuilder {
           options_(options),
           left_(primitives_.size()),
           right_area_(primitives_.size()),
-          scratch_(primitives_.size()),
-          nodes_(2 * primitives_.size() - 1) {
+          scratch_(primitives_.size()) {
         parallel_for(3, 1, [&](std::size_t first, std::size_t last) {
             for (std::size_t axis = first; axis < last; ++axis) {
                 std::vector<Index>& order = orders_[axis];
@@ -37,9 +33,11 @@ class SweepBuilder {
     }
 
     Bvh build() {
-        build(0, 1, 0, primitives_.size(), 0);
-        Bvh bvh;
-        compact(nodes_, options_.traversal_cost, bvh);
+        const auto split = [this](std::size_t begin, std::size_t end, int depth, Bounds& bounds) {
+            for (std::size_t i = begin; i < end; ++i) bounds.extend(primitives_[orders_[0][i]].bounds);
+            return partition(bounds, begin, end, depth);
+        };
+        Bvh bvh = build_top_down(primitives_.size(), split, options_.traversal_cost);
         bvh.order.reserve(primitives_.size());
         for (const Index i : orders_[0]) bvh.order.push_back(primitives_[i].index);
         return bvh;
@@ -51,36 +49,6 @@ class SweepBuilder {
         std::size_t middle = 0;  // 0: none
         float cost = std::numeric_limits<float>::infinity();
     };
-
-    // As the binned builder's: the subtree's other nodes stand from `pool` on.
-    void build(std::size_t node, std::size_t pool, std::size_t begin, std::size_t end, int depth) {
-        const std::size_t count = end - begin;
-        Bounds bounds = Bounds::empty();
-        for (std::size_t i = begin; i < end; ++i) bounds.extend(primitives_[orders_[0][i]].bounds);
-        kernels::BvhNode& out = nodes_[node];
-        out.lower = {bounds.lower[0], bounds.lower[1], bounds.lower[2]};
-        out.upper = {bounds.upper[0], bounds.upper[1], bounds.upper[2]};
-        const std::size_t middle = partition(bounds, begin, end, depth);
-        if (middle == begin) {
-            out.first = Index(begin);
-            out.count = Index(count);
-            return;
-        }
-        out.first = Index(pool);
-        out.count = 0;
-        const std::size_t left_pool = pool + 2, right_pool = left_pool + 2 * (middle - begin) - 2;
-        const auto left = [&] { build(pool, left_pool, begin, middle, depth + 1); };
-        const auto right = [&] { build(pool + 1, right_pool, middle, end, depth + 1); };
-        if (count < parallel_threshold) {
-            left();
-            right();
-        } else {
-            parallel_for(2, 1, [&](std::size_t first, std::size_t last) {
-                if (first == 0) left();
-                if (last == 2) right();
-            });
-        }
-    }
 
     std::size_t partition(const Bounds& bounds, std::size_t begin, std::size_t end, int depth) {
         const std::size_t count = end - begin;
@@ -135,7 +103,6 @@ class SweepBuilder {
     std::vector<unsigned char> left_;           // of the split at hand, by primitive
     std::vector<float> right_area_;
     std::vector<Index> scratch_;
-    std::vector<kernels::BvhNode> nodes_;
 };
 
 }  // namespace

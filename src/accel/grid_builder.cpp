@@ -1,8 +1,10 @@
 #include "accel/grid_builder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "core/parallel.h"
 #include "kernels/mesh_grid.h"
@@ -10,8 +12,11 @@
 namespace spinel {
 namespace {
 
-constexpr int finest_refinement = 64;   // cells along an axis of a grid within a cell
-constexpr float smallest_cell = 3e-5f;  // of the largest coordinate: 256 times what floats tell apart there
+constexpr int finest_refinement = 64;  // cells along an axis of a grid within a cell
+// Of the largest coordinate: whatever lies within the mesh is in kernels::GRID_REACH then, even if the mesh is centred.
+constexpr float smallest_cell = 6.2e-5f;
+constexpr std::size_t most_references = std::size_t(1) << 30;
+constexpr std::size_t growth_of_cell = 8;  // references of a grid within a cell, by those of the cell
 
 double half_area(const glm::dvec3& e) { return e.x * e.y + e.y * e.z + e.z * e.x; }
 
@@ -24,6 +29,7 @@ class Builder {
   public:
     Builder(std::span<const Box> boxes, const CellsOfPrimitive& cells_of, const GridOptions& options)
         : boxes_(boxes), cells_of_(cells_of), options_(options) {
+        spare_ = std::min(options.references * boxes.size() + (std::size_t(1) << 20), most_references);
         largest_ = 0;
         for (const Box& box : boxes)
             for (int a = 0; a < 3; ++a) largest_ = std::max({largest_, std::abs(box.lower[a]), std::abs(box.upper[a])});
@@ -41,7 +47,16 @@ class Builder {
         out_.grids.resize(1);
         finest_ = glm::vec3(kernels::INFINITE);
         const double area = half_area(glm::dvec3(bounds.upper - bounds.lower));
-        const double cost = fill(0, choose(bounds, all.size(), kernels::GRID_MAX_CELLS), all, 0);
+        // Coarser, where each of many primitives lies in very many cells; the coarsest grid has one cell.
+        double density = options_.density;
+        CellGrid grid = choose(bounds, density * double(all.size()), kernels::GRID_MAX_CELLS);
+        auto entries = entries_of(grid, all, spare_);
+        for (; !entries; entries = entries_of(grid, all, spare_)) {
+            density /= 8;
+            grid = choose(bounds, density * double(all.size()), kernels::GRID_MAX_CELLS);
+        }
+        spare_ -= std::min(spare_, entries->size());
+        const double cost = fill(0, grid, std::move(*entries), 0);
         out_.sah_cost = area > 0 ? cost / area : cost;
         out_.words[0] = std::uint32_t(out_.grids.size());
         out_.grids.push_back({bounds.lower, 0, finest_, 1.0f / finest_, glm::ivec3(1)});
@@ -50,20 +65,20 @@ class Builder {
     }
 
   private:
-    // About as many cells as the density says, as near to cubes as that lets them be.
-    CellGrid choose(const Box& bounds, std::size_t count, int most) const {
+    // About so many cells, at least one, as near to cubes as that lets them be.
+    CellGrid choose(const Box& bounds, double count, int most) const {
         glm::dvec3 extent = glm::dvec3(bounds.upper) - glm::dvec3(bounds.lower);
         const double longest =
             std::max({extent.x, extent.y, extent.z, double(largest_) * double(smallest_cell), 1e-30});
         extent = glm::max(extent, glm::dvec3(1e-3 * longest));
         // A flat thing has no volume to share out: the axis along which it is thin gets one layer.
-        double edge = std::cbrt(extent.x * extent.y * extent.z / (options_.density * double(count)));
+        double edge = std::cbrt(extent.x * extent.y * extent.z / count);
         for (int pass = 0; pass < 2; ++pass) {
             double volume = 1;
             int axes = 0;
             for (int a = 0; a < 3; ++a)
                 if (extent[a] > edge) volume *= extent[a], ++axes;
-            if (axes > 0) edge = std::pow(volume / (options_.density * double(count)), 1.0 / axes);
+            if (axes > 0) edge = std::pow(volume / count, 1.0 / axes);
         }
         edge = std::max(edge, double(largest_) * double(smallest_cell));
         CellGrid grid{};
@@ -76,18 +91,26 @@ class Builder {
         return grid;
     }
 
-    std::vector<Entry> entries_of(const CellGrid& grid, const std::vector<std::uint32_t>& primitives) const {
+    // Which primitives lie in which cells; none if these are more than `most`.
+    std::optional<std::vector<Entry>> entries_of(const CellGrid& grid, std::span<const std::uint32_t> primitives,
+                                                 std::size_t most) const {
         // In chunks that do not depend on the number of threads.
         constexpr std::size_t chunk = 4096;
         std::vector<std::vector<Entry>> parts((primitives.size() + chunk - 1) / chunk);
+        std::atomic<std::size_t> found = 0;
         parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t part = begin; part < end; ++part)
-                for (std::size_t i = part * chunk; i < std::min(primitives.size(), (part + 1) * chunk); ++i)
+                for (std::size_t i = part * chunk; i < std::min(primitives.size(), (part + 1) * chunk); ++i) {
+                    if (found.load(std::memory_order_relaxed) > most) return;
+                    const std::size_t before = parts[part].size();
                     cells_of_(primitives[i], grid, [&](glm::ivec3 c) {
                         parts[part].push_back(
                             {std::uint32_t(c.x + grid.size.x * (c.y + grid.size.y * c.z)), primitives[i]});
                     });
+                    found += parts[part].size() - before;
+                }
         });
+        if (found > most) return std::nullopt;
         if (parts.size() == 1) return std::move(parts[0]);
         std::vector<Entry> entries;
         for (const auto& part : parts) entries.insert(entries.end(), part.begin(), part.end());
@@ -95,31 +118,29 @@ class Builder {
     }
 
     // Fills grid `index` with what is there; returns its cost times its half area.
-    double fill(std::size_t index, const CellGrid& grid, const std::vector<std::uint32_t>& primitives,
-                std::uint32_t level) {
+    double fill(std::size_t index, const CellGrid& grid, std::vector<Entry>&& entries, std::uint32_t level) {
         finest_ = glm::min(finest_, grid.cell);
         out_.depth = std::max(out_.depth, level);
         const auto cell_count = std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z);
         const std::size_t cell_first = out_.words.size();
         out_.words.resize(cell_first + cell_count, 0);
         out_.grids[index] = {grid.lower, std::uint32_t(cell_first), grid.cell, 1.0f / grid.cell, grid.size};
-        const std::vector<Entry> entries = entries_of(grid, primitives);
         std::vector<std::uint32_t> first(cell_count + 1, 0), sorted(entries.size());
         for (const Entry& e : entries) ++first[e.cell + 1];
         std::partial_sum(first.begin(), first.end(), first.begin());
         std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
         for (const Entry& e : entries) sorted[next[e.cell]++] = e.primitive;
+        entries = {};
         const double area = half_area(grid.cell);
         double cost = 0;
         for (std::size_t c = 0; c < cell_count; ++c) {
             const std::size_t count = first[c + 1] - first[c];
             cost += area * double(options_.step_cost);
             if (count == 0) continue;
-            const std::vector<std::uint32_t> list(sorted.begin() + first[c], sorted.begin() + first[c + 1]);
-            const double plain = area * double(count);
+            const std::span<const std::uint32_t> list(sorted.data() + first[c], count);
             if (options_.refine_above > 0 && count > options_.refine_above && level + 1 < kernels::GRID_MAX_LEVELS) {
-                if (const double refined = refine(grid, cell_first + c, c, list, level, plain); refined < plain) {
-                    cost += refined;
+                if (const auto refined = refine(grid, cell_first + c, c, list, level)) {
+                    cost += *refined;
                     continue;
                 }
             }
@@ -128,45 +149,34 @@ class Builder {
             out_.words.push_back(std::uint32_t(count));
             out_.words.insert(out_.words.end(), list.begin(), list.end());
             ++out_.list_count;
-            cost += plain;
+            cost += area * double(count);
         }
         return cost;
     }
 
-    // Makes a cell, which stands at `word`, a grid, if that is cheaper than its list.
-    double refine(const CellGrid& grid, std::size_t word, std::size_t cell, const std::vector<std::uint32_t>& list,
-                  std::uint32_t level, double plain) {
+    // Makes a cell, which stands at `word`, a grid, if that is cheaper than its list even if no cell of it is refined
+    // in turn; tells its cost then. Decided before anything is filled, so that what is given up costs little.
+    std::optional<double> refine(const CellGrid& grid, std::size_t word, std::size_t cell,
+                                 std::span<const std::uint32_t> list, std::uint32_t level) {
         const auto x = int(cell % std::size_t(grid.size.x)), yz = int(cell / std::size_t(grid.size.x));
         const glm::vec3 place(float(x), float(yz % grid.size.y), float(yz / grid.size.y));
         const glm::vec3 lower = grid.lower + place * grid.cell;
-        const CellGrid inner = choose({lower, lower + grid.cell}, list.size(), finest_refinement);
-        if (inner.size == glm::ivec3(1)) return plain;
-        const Saved before{out_.words.size(), out_.grids.size(), list_firsts_.size(),
-                           out_.list_count,   out_.depth,        finest_};
+        const CellGrid inner =
+            choose({lower, lower + grid.cell}, options_.density * double(list.size()), finest_refinement);
+        if (inner.size == glm::ivec3(1)) return std::nullopt;
+        auto entries = entries_of(inner, list, std::min(growth_of_cell * list.size(), list.size() + spare_));
+        if (!entries) return std::nullopt;
+        const double cells = double(inner.size.x) * double(inner.size.y) * double(inner.size.z);
+        const double estimate = half_area(inner.cell) * (cells * double(options_.step_cost) + double(entries->size()));
+        // As much must be gained as the way into the grid costs.
+        const double area = half_area(grid.cell);
+        if (!(estimate + area * 4 * double(options_.step_cost) < area * double(list.size()))) return std::nullopt;
+        spare_ -= entries->size() > list.size() ? entries->size() - list.size() : 0;
         const std::size_t index = out_.grids.size();
         out_.grids.emplace_back();
-        const double cost = fill(index, inner, list, level + 1);
-        // As much must be gained as the way into the grid costs.
-        if (!(cost + half_area(grid.cell) * 4 * double(options_.step_cost) < plain)) {
-            restore(before);
-            return plain;
-        }
+        const double cost = fill(index, inner, std::move(*entries), level + 1);
         out_.words[word] = kernels::GRID_REFINED | std::uint32_t(index);
         return cost;
-    }
-
-    struct Saved {
-        std::size_t words, grids, lists, list_count;
-        std::uint32_t depth;
-        glm::vec3 finest;
-    };
-    void restore(const Saved& s) {
-        out_.words.resize(s.words);
-        out_.grids.resize(s.grids);
-        list_firsts_.resize(s.lists);
-        out_.list_count = s.list_count;
-        out_.depth = s.depth;
-        finest_ = s.finest;
     }
 
     // Places of primitives in the order of their first list, and lists of places.
@@ -190,6 +200,7 @@ class Builder {
     std::span<const Box> boxes_;
     const CellsOfPrimitive& cells_of_;
     const GridOptions options_;
+    std::size_t spare_;  // references that may still be added
     float largest_;
     glm::vec3 finest_;
     Grid3 out_;

@@ -26,6 +26,9 @@ struct GridOptions {
     std::uint32_t refine_above =
         0;                   // a cell with more primitives becomes a grid, if that makes it cheaper; 0: none does
     float step_cost = 0.5f;  // of going to the next cell, in primitive tests
+    // In cells, for each primitive, and 2²⁰ besides: where there would be more, the grid is coarser and less is
+    // refined.
+    std::size_t references = 16;
 };
 
 struct Grid3 {
@@ -38,7 +41,8 @@ struct Grid3 {
     std::size_t list_count = 0;        // cells that are neither empty nor refined
 };
 
-// All boxes finite and ordered. The result depends on the boxes only, not on the number of threads.
+// All boxes finite and ordered, at most BVH_MAX_PRIMITIVES. The result depends on the boxes only, not on the number of
+// threads.
 Grid3 build_grid(std::span<const Box> boxes, const CellsOfPrimitive& cells_of, const GridOptions& options = {});
 
 }  // namespace spinel

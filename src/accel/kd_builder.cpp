@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <iterator>
 
@@ -43,6 +42,13 @@ struct Split {
     bool planar_left = true;
 };
 
+// The primitives that a task deals with have numbers of its own, so that what it keeps for each of them is no larger
+// than its part of the tree.
+struct Task {
+    std::vector<std::uint32_t> names;  // of the boxes, by number
+    std::vector<std::uint8_t> side;    // of the split at hand
+};
+
 // Part of a tree: its root first, indices its own.
 struct Subtree {
     std::vector<kernels::KdNode> nodes;
@@ -71,30 +77,36 @@ class Builder {
         }
     }
 
-    // Events are sorted; each of `primitives` has some. `scratch` holds a byte for every primitive there is, of this
-    // task alone.
+    // Events are sorted; each of `primitives` has some. At most `most` references come of them, which is no less than
+    // there are primitives.
     void build(Subtree& tree, std::size_t node, std::vector<std::uint32_t>&& primitives, std::vector<Event>&& events,
-               const Box& region, int depth, std::vector<std::uint8_t>& side) const {
+               const Box& region, int depth, std::size_t most, Task& task) const {
         const std::size_t count = primitives.size();
         tree.depth = std::max(tree.depth, std::uint32_t(depth));
         Split split;
         if (depth < max_depth_ && count > 0) split = best_split(events, region, count);
         const double area = half_area(region);
-        if (split.axis > 2 || !(split.cost < double(count))) {
+        const auto leaf = [&] {
             tree.nodes[node] = {kernels::bits_float(std::uint32_t(count)),
                                 std::uint32_t(tree.references.size()) << 3 | 1u};
-            tree.references.insert(tree.references.end(), primitives.begin(), primitives.end());
+            for (const std::uint32_t p : primitives) tree.references.push_back(task.names[p]);
             tree.cost += area * double(count);
             ++tree.leaf_count;
-            return;
-        }
-        tree.cost += area * double(options_.traversal_cost);
+        };
+        if (split.axis > 2 || !(split.cost < double(count))) return leaf();
         Box left_region = region, right_region = region;
         left_region.upper[split.axis] = split.position;
         right_region.lower[split.axis] = split.position;
         std::vector<std::uint32_t> left, right;
         std::vector<Event> left_events, right_events;
-        distribute(split, primitives, events, left_region, right_region, side, left, right, left_events, right_events);
+        distribute(split, primitives, events, left_region, right_region, task, left, right, left_events, right_events);
+        const std::size_t below = left.size() + right.size();
+        if (below > most) return leaf();
+        tree.cost += area * double(options_.traversal_cost);
+        // What may still be added is shared out by numbers, whatever order subtrees are built in.
+        const std::size_t most_left =
+            left.size() + std::size_t(double(most - below) * double(left.size()) / double(below));
+        const std::size_t most_right = most - most_left;
         primitives = {};
         events = {};
 
@@ -102,23 +114,38 @@ class Builder {
         tree.nodes.resize(children + 2);
         tree.nodes[node] = {split.position, std::uint32_t(children) << 3 | std::uint32_t(split.axis) << 1};
         if (count < parallel_threshold) {
-            build(tree, children, std::move(left), std::move(left_events), left_region, depth + 1, side);
-            build(tree, children + 1, std::move(right), std::move(right_events), right_region, depth + 1, side);
+            build(tree, children, std::move(left), std::move(left_events), left_region, depth + 1, most_left, task);
+            build(tree, children + 1, std::move(right), std::move(right_events), right_region, depth + 1, most_right,
+                  task);
             return;
         }
         std::array<Subtree, 2> halves;
         parallel_for(2, 1, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
                 halves[i].nodes.resize(1);
-                std::vector<std::uint8_t> own(side.size(), 0);
-                build(halves[i], 0, std::move(i == 0 ? left : right), std::move(i == 0 ? left_events : right_events),
-                      i == 0 ? left_region : right_region, depth + 1, own);
+                std::vector<std::uint32_t>& own = i == 0 ? left : right;
+                std::vector<Event>& own_events = i == 0 ? left_events : right_events;
+                Task part = renumbered(task, own, own_events);
+                build(halves[i], 0, std::move(own), std::move(own_events), i == 0 ? left_region : right_region,
+                      depth + 1, i == 0 ? most_left : most_right, part);
             }
         });
         for (std::size_t i = 0; i < 2; ++i) graft(tree, children + i, halves[i]);
     }
 
   private:
+    static Task renumbered(const Task& task, std::vector<std::uint32_t>& primitives, std::vector<Event>& events) {
+        Task part{std::vector<std::uint32_t>(primitives.size()), std::vector<std::uint8_t>(primitives.size())};
+        std::vector<std::uint32_t> numbers(task.names.size());
+        for (std::uint32_t i = 0; i < primitives.size(); ++i) {
+            numbers[primitives[i]] = i;
+            part.names[i] = task.names[primitives[i]];
+            primitives[i] = i;
+        }
+        for (Event& e : events) e.primitive = numbers[e.primitive];
+        return part;
+    }
+
     static void graft(Subtree& tree, std::size_t root, const Subtree& part) {
         // All but its root stand behind what is there.
         const auto node_shift = std::uint32_t(tree.nodes.size()) - 1u;
@@ -170,10 +197,11 @@ class Builder {
     }
 
     void distribute(const Split& split, const std::vector<std::uint32_t>& primitives, const std::vector<Event>& events,
-                    const Box& left_region, const Box& right_region, std::vector<std::uint8_t>& side,
-                    std::vector<std::uint32_t>& left, std::vector<std::uint32_t>& right,
-                    std::vector<Event>& left_events, std::vector<Event>& right_events) const {
+                    const Box& left_region, const Box& right_region, Task& task, std::vector<std::uint32_t>& left,
+                    std::vector<std::uint32_t>& right, std::vector<Event>& left_events,
+                    std::vector<Event>& right_events) const {
         constexpr std::uint8_t LEFT = 1, RIGHT = 2, BOTH = 3;
+        std::vector<std::uint8_t>& side = task.side;
         for (const std::uint32_t p : primitives) side[p] = BOTH;
         for (const Event& e : events) {
             if (e.axis != split.axis) continue;
@@ -194,7 +222,7 @@ class Builder {
                 (side[p] == LEFT ? left : right).push_back(p);
                 continue;
             }
-            const Box in_left = clip_(p, left_region), in_right = clip_(p, right_region);
+            const Box in_left = clip_(task.names[p], left_region), in_right = clip_(task.names[p], right_region);
             const bool is_left = glm::all(glm::lessThanEqual(in_left.lower, in_left.upper));
             const bool is_right = glm::all(glm::lessThanEqual(in_right.lower, in_right.upper));
             if (is_left || !is_right) {
@@ -239,10 +267,10 @@ KdTree build_kd_tree(std::span<const Box> boxes, const ClipToBox& clip, const Kd
     std::sort(events.begin(), events.end());
     Subtree whole;
     whole.nodes.resize(1);
-    std::vector<std::uint8_t> side(boxes.size(), 0);
+    Task task{primitives, std::vector<std::uint8_t>(boxes.size())};
+    const std::size_t most = options.references * boxes.size() + (std::size_t(1) << 16);
     Builder(clip, options, boxes.size())
-        .build(whole, 0, std::move(primitives), std::move(events), tree.bounds, 0, side);
-    assert(whole.nodes.size() < std::size_t(1) << 29 && whole.references.size() < std::size_t(1) << 29);
+        .build(whole, 0, std::move(primitives), std::move(events), tree.bounds, 0, most, task);
     tree.nodes = std::move(whole.nodes);
     tree.references = std::move(whole.references);
     tree.depth = whole.depth;

@@ -18,6 +18,7 @@ using ClipToBox = std::function<Box(std::uint32_t primitive, const Box& region)>
 struct KdOptions {
     float traversal_cost = 1.0f;  // of an interior node, in primitive tests
     float empty_bonus = 0.2f;     // by which planes that cut off empty space are preferred (Wald and Havran's λ)
+    std::size_t references = 16;  // in leaves, at most, for each primitive, and 2¹⁶ besides
 };
 
 // Nodes as kernels::KdNode tells, the root first; leaves name boxes in `references`, some in several.

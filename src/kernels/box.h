@@ -3,41 +3,42 @@
 // Rays against axis-aligned boxes: a conservative slab test for hierarchies, and the surface of the solid box
 // [-1, 1]³.
 //
-// The slab test never misses a box that the exact ray meets, nor one that a primitive test meets by rounding:
-// the exit distance is widened by the error of the arithmetic. Ize, "Robust BVH Ray Traversal", JCGT 2(2),
-// 2013. Direction components below TINY_DIRECTION count as zero and are kept away from 0·∞: such a ray is
-// inside the slab for all t or for none, faces included. Directions of lengths between 1e-15 and 1e15 are
-// supported.
+// The slab test misses no box that the exact ray meets, nor one that holds a primitive which its test meets by
+// rounding: boxes are widened on all sides by a length (slab_padding). A factor on t, which is all that the slab test's
+// own roundings ask for (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013), is not enough: a long edge is moved by the
+// rounding of its far end, here by as much as there. The ray is moved in place of the planes, once for all boxes.
+//
+// Direction components below TINY_DIRECTION are kept away from 0·∞: such a ray is inside the slab for all t or for
+// none, faces included. Directions of lengths between 1e-15 and 1e15 are supported.
 #include "ray.h"
 KERNELS_BEGIN
 
 const float TINY_DIRECTION = 1.0e-30f;
 
-// γn bounds the relative error of n roundings, n·2⁻²⁴ / (1 − n·2⁻²⁴). Three for the slab test itself (Ize),
-// three more for a primitive test that moves the vertices by rounding (triangle.h); both ends of the
-// interval, hence 2γ6.
-const float SLAB_WIDENING = 1.0f + 12.0f * 5.9604645e-8f * 1.000001f;
+// How far boxes are widened, so that none is missed that holds a triangle which triangle_watertight() finds, nor
+// entered later than its t; lower and upper bound all of them. Let e = 2⁻²⁴, and E be the greatest distance along an
+// axis from the ray's origin to the farther side. The test moves vertices by at most 10·e·E across the ray (Woop et al.
+// 2013, section 3.3), its t is wrong by at most 13·e·E of the largest component; where rays meet planes is wrong by
+// 3·e·E and e·|origin|.
+FN float slab_padding(vec3 lower, vec3 upper, vec3 origin) {
+    vec3 farther = max(abs(lower - origin), abs(upper - origin));
+    vec3 o = abs(origin);
+    return 1.9073486e-6f * max(max(farther.x, farther.y), farther.z) + 2.3841858e-7f * max(max(o.x, o.y), o.z);
+}
 
 // What the slab test needs of a ray, once for many boxes.
 struct SlabRay {
-    vec3 lower_origin;  // subtracted from lower planes …
-    vec3 upper_origin;  // … and from upper planes: a hair less where the direction is zero, so that faces are
-                        // inside
+    vec3 lower_origin;  // subtracted from lower planes: beyond the ray's own by the padding …
+    vec3 upper_origin;  // … and from upper planes: before it
     vec3 inverse;       // of the direction, finite
     float t_min;
 };
 
 FN float safe_inverse(float d) { return abs(d) < TINY_DIRECTION ? 1.0f / TINY_DIRECTION : 1.0f / d; }
 
-FN float slab_upper_origin(float origin, float d) {
-    return abs(d) < TINY_DIRECTION ? origin - max(abs(origin) * 2.4e-7f, 1.0e-15f) : origin;
-}
-
-FN SlabRay slab_ray(Ray ray) {
+FN SlabRay slab_ray(Ray ray, float padding) {
     vec3 d = ray.direction;
-    return SlabRay(ray.origin,
-                   vec3(slab_upper_origin(ray.origin.x, d.x), slab_upper_origin(ray.origin.y, d.y),
-                        slab_upper_origin(ray.origin.z, d.z)),
+    return SlabRay(ray.origin + vec3(padding), ray.origin - vec3(padding),
                    vec3(safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z)), ray.t_min);
 }
 
@@ -51,17 +52,16 @@ FN float slab_entry(vec3 lower, vec3 upper, const_in(SlabRay) ray, float t_max) 
     float z1 = (upper.z - ray.upper_origin.z) * ray.inverse.z;
     float enter = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), ray.t_min));
     float leave = min(min(max(x0, x1), max(y0, y1)), min(max(z0, z1), t_max));
-    return enter <= leave * SLAB_WIDENING ? enter : INFINITE;
+    return enter <= leave ? enter : INFINITE;
 }
 
-// Where the ray enters and leaves the box within (t_min, t_max), the latter widened as slab_entry() does; it misses if
-// the first is greater.
+// Where the ray enters and leaves the box within (t_min, t_max); it misses if the first is greater.
 FN vec2 slab_interval(vec3 lower, vec3 upper, const_in(SlabRay) ray, float t_max) {
     vec3 t0 = (lower - ray.lower_origin) * ray.inverse;
     vec3 t1 = (upper - ray.upper_origin) * ray.inverse;
     float enter = max(max(min(t0.x, t1.x), min(t0.y, t1.y)), max(min(t0.z, t1.z), ray.t_min));
     float leave = min(min(max(t0.x, t1.x), max(t0.y, t1.y)), min(max(t0.z, t1.z), t_max));
-    return vec2(enter, leave * SLAB_WIDENING);
+    return vec2(enter, leave);
 }
 
 // The surface of the solid [-1, 1]³, from outside the face where the ray enters, from inside the one where it

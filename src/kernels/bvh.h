@@ -24,10 +24,6 @@ FN uint bvh_entry(const_in(BvhNode) node) { return (node.first << 4u) | node.cou
 FN uint bvh_entry_first(uint entry) { return entry >> 4u; }
 FN uint bvh_entry_count(uint entry) { return entry & 15u; }
 
-// Whether a box entered at `enter` may hold something no farther than t: as slab_entry() decides, so that what is found
-// does not depend on when a box is visited.
-FN bool bvh_still_entered(float enter, float t) { return enter <= t * SLAB_WIDENING; }
-
 // Two siblings in the order in which the ray enters them; INFINITE where it misses.
 struct BvhSiblings {
     uint nearer;  // entries

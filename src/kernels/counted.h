@@ -23,7 +23,7 @@ FN void instance_closest_counted(const_in(SceneView) scene, uint instance, Ray r
 
 FN Hit trace_closest_counted(const_in(SceneView) scene, Ray ray, uint mask, inout(WalkCount) count) {
     Hit hit = no_hit(ray.t_max);
-    SlabRay slab = slab_ray(ray);
+    SlabRay slab = instance_slab_ray(ray);
     BvhStack stack;
     uint stack_size = 0u;
     bool found = scene.bounded_count > 0u;
@@ -53,7 +53,7 @@ FN Hit trace_closest_counted(const_in(SceneView) scene, Ray ray, uint mask, inou
         found = false;
         while (stack_size > 0u && !found) {
             --stack_size;
-            found = bvh_still_entered(stack.enter[stack_size], hit.t);
+            found = stack.enter[stack_size] <= hit.t;
             entry = stack.entry[stack_size];
         }
     }

@@ -23,6 +23,8 @@
         "ray march: light that media scatter once, with their shadows on surfaces, almost without noise")          \
     ROW(6u, dvr, "dvr", SPINEL_NEEDS_NOTHING,                                                                      \
         "volume rendering by a transfer function: windows, shading, projections, iso-surfaces")                    \
+    ROW(11u, whitted, "whitted", SPINEL_NEEDS_NOTHING,                                                             \
+        "direct light, and rays that mirrors and clear glass reflect and refract, all of them followed (1980)")    \
     ROW(12u, direct, "direct", SPINEL_NEEDS_NOTHING, "light that a surface gets straight from its sources")        \
     ROW(13u, depth, "depth", SPINEL_NEEDS_NOTHING, "how far away what is seen first is, white near and black far") \
     ROW(14u, heatmap, "heatmap", SPINEL_NEEDS_NOTHING,                                                             \

@@ -11,6 +11,7 @@
 #include "preview_cone.h"
 #include "preview_faces.h"
 #include "single_scatter.h"
+#include "whitted.h"
 KERNELS_BEGIN
 
 FN PixelSample path_sample(const_in(PathState) state) {
@@ -50,6 +51,10 @@ FN PixelSample integrate_single_scatter(const_in(SceneView) scene, const_in(Path
 
 FN PixelSample integrate_dvr(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
     return dvr(scene, settings.dvr, state.ray, hit, state.numbers);
+}
+
+FN PixelSample integrate_whitted(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
+    return whitted(scene, settings, state, hit);
 }
 
 FN PixelSample integrate_direct(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {

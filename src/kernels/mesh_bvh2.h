@@ -36,7 +36,7 @@ FN_ANEW void mesh_bvh2_walk(const_in(SceneView) scene, uint mesh, const_in(MeshR
         bool found = false;
         while (stack_size > 0u && !found) {
             --stack_size;
-            found = bvh_still_entered(stack.enter[stack_size], nearest.hit.t);
+            found = stack.enter[stack_size] <= nearest.hit.t;
             entry = stack.entry[stack_size];
         }
         if (!found) return;

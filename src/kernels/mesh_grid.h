@@ -14,8 +14,8 @@
 #include "mesh_triangles.h"
 KERNELS_BEGIN
 
-const float GRID_MARGIN = 1.0f / 32.0f;  // of a cell's edge
-const float GRID_REACH = 65536.0f;       // cells
+const float GRID_MARGIN = 1.0f / 16.0f;  // of a cell's edge
+const float GRID_REACH = 32768.0f;       // cells
 const uint GRID_MAX_LEVELS = 4u;
 const int GRID_MAX_CELLS = 1024;  // along an axis
 const uint GRID_MAILBOX = 8u;

@@ -4,9 +4,9 @@
 // in the order in which the ray meets them, and the first hit within a leaf's interval ends the walk. Havran,
 // "Heuristic Ray Shooting Algorithms", 2000, appendix C.
 //
-// A crossing is known to a few roundings only, and triangles are tested with roundings of their own. So intervals
-// overlap by as much as slab tests are widened (box.h), and a triangle that counts is never on a side that is not
-// visited.
+// A crossing is known to a few roundings only, and triangles are tested with roundings of their own. So each side
+// reaches beyond the plane by as much as boxes are widened (box.h), and a triangle that counts is never on a side that
+// is not visited.
 #include "bvh.h"
 #include "mesh_triangles.h"
 KERNELS_BEGIN
@@ -38,29 +38,25 @@ FN_ANEW void mesh_kd_walk(const_in(SceneView) scene, uint mesh, const_in(MeshRay
             ++count.boxes;
             uint axis = (n.link >> 1u) & 3u;
             uint left = n.link >> 3u;
-            float origin = component(ray.ray.origin, axis);
-            float along = component(ray.ray.direction, axis);
-            float t = (n.split - origin) * component(ray.slab.inverse, axis);
-            bool below = origin < n.split || (origin == n.split && along < 0.0f);
-            uint near = below ? left : left + 1u;
-            uint far = below ? left + 1u : left;
-            if (origin == n.split) {  // both sides, as what touches the plane may be on either
-                stack.node[stack_size] = far;
-                stack.enter[stack_size] = enter;
-                stack.leave[stack_size] = leave;
-                ++stack_size;
+            float inverse = component(ray.slab.inverse, axis);
+            bool upward = inverse > 0.0f;
+            uint near = upward ? left : left + 1u;  // the side that the ray comes from
+            uint far = upward ? left + 1u : left;
+            float from_lower = (n.split - component(ray.slab.lower_origin, axis)) * inverse;  // of the right side
+            float to_upper = (n.split - component(ray.slab.upper_origin, axis)) * inverse;    // of the left one
+            float leave_near = upward ? to_upper : from_lower;
+            float enter_far = upward ? from_lower : to_upper;
+            if (enter_far > leave) {
                 node = near;
-            } else if (t < 0.0f || t > leave * SLAB_WIDENING) {
-                node = near;
-            } else if (t * SLAB_WIDENING < enter) {
+            } else if (leave_near < enter) {
                 node = far;
             } else {
                 stack.node[stack_size] = far;
-                stack.enter[stack_size] = max(enter, t * (2.0f - SLAB_WIDENING));
+                stack.enter[stack_size] = max(enter, enter_far);
                 stack.leave[stack_size] = leave;
                 ++stack_size;
                 node = near;
-                leave = min(leave, t * SLAB_WIDENING);
+                leave = min(leave, leave_near);
             }
             continue;
         }
@@ -77,7 +73,7 @@ FN_ANEW void mesh_kd_walk(const_in(SceneView) scene, uint mesh, const_in(MeshRay
             node = stack.node[stack_size];
             enter = stack.enter[stack_size];
             leave = stack.leave[stack_size];
-            found = bvh_still_entered(enter, nearest.hit.t);
+            found = enter <= nearest.hit.t;
         }
         if (!found) return;
     }

@@ -7,16 +7,19 @@
 #include "mesh_triangles.h"
 KERNELS_BEGIN
 
-// Where the ray enters the ball, at least t_min; INFINITE if it misses within (t_min, t_max). Never misses by rounding:
-// the radius is widened by what the distance of the line to the centre may be off.
+// Where the ray enters the ball, at least t_min; INFINITE if it misses within (t_min, t_max). The radius is widened by
+// what the distance of the line to the centre may be off and a test may move triangles in the ball by: slab_padding()'s
+// figures along all three axes, as balls do not know of axes. Balls hold whole triangles, so their own size counts.
 FN float ball_entry(const_in(SphereNode) node, Ray ray, float inverse_square, float t_max) {
     vec3 to_center = node.center - ray.origin;
     float t = dot(to_center, ray.direction) * inverse_square;  // of the foot of the perpendicular
     vec3 foot = to_center - t * ray.direction;
-    float radius = node.radius + 2.0e-6f * length(to_center);
+    vec3 o = abs(ray.origin);
+    float padding = 3.3e-6f * (length(to_center) + node.radius) + 4.2e-7f * max(max(o.x, o.y), o.z);
+    float radius = node.radius + padding;
     float square = radius * radius - dot(foot, foot);
     if (square < 0.0f) return INFINITE;
-    float half_chord = sqrt(square * inverse_square) + 2.0e-6f * abs(t);
+    float half_chord = (sqrt(square) + padding) * sqrt(inverse_square);
     float enter = max(t - half_chord, ray.t_min);
     return enter <= min(t + half_chord, t_max) ? enter : INFINITE;
 }

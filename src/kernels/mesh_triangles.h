@@ -38,7 +38,8 @@ struct MeshNearest {
 FN_ANEW MeshRay mesh_ray(const_in(SceneView) scene, uint mesh, Ray ray, bool any, uint test) {
     MeshRay r;
     r.ray = ray;
-    r.slab = slab_ray(ray);
+    float padding = slab_padding(scene.meshes.at[mesh].lower, scene.meshes.at[mesh].upper, ray.origin);
+    r.slab = slab_ray(ray, padding);
     r.sheared = triangle_ray(ray);
     r.any = any;
     r.test = test;

@@ -3,30 +3,16 @@
 // The walk over a wide hierarchy of a mesh's triangles (WideUnit), box by box and triangle by triangle: what shaders
 // do, and what CPUs do with another test than the watertight one. For that they have a walk of their own
 // (devices/cpu/mesh_walk.h), which is the reason for this layout, with the same answer bit for bit.
-//
-// Boxes are not widened by what the slab test rounds alone but by what the watertight test does as well, and that
-// depends on how long triangles are: on the size of the mesh as the ray sees it.
 #include "mesh_triangles.h"
 KERNELS_BEGIN
 
 const uint WIDE_STACK_SIZE = 428u;  // a node is left by at most seven other children, on each of at most 60 levels
 const uint WIDE_UNIT_MASK = 0x0fffffffu;  // of a reference
 
-// How far boxes are widened on all sides, so that none is missed that holds a triangle which triangle_watertight()
-// finds, nor entered later than its t. Let e = 2⁻²⁴, and E be the greatest distance along an axis from the ray's origin
-// to the farther side of the mesh. The test moves vertices by at most 10·e·E across the ray (Woop et al. 2013,
-// section 3.3), its t is wrong by at most 13·e·E of the largest component; where rays meet planes is wrong by 2·e·E and
-// e·|origin|.
-FN float wide_padding(vec3 lower, vec3 upper, vec3 origin) {
-    vec3 farther = max(abs(lower - origin), abs(upper - origin));
-    vec3 o = abs(origin);
-    return 1.9073486e-6f * max(max(farther.x, farther.y), farther.z) + 2.3841858e-7f * max(max(o.x, o.y), o.z);
-}
-
 FN float wide_inverse_component(float d, float tiny) { return 1.0f / (abs(d) < tiny ? (d < 0.0f ? -tiny : tiny) : d); }
 
 // 1/d, of a finite size: components of the direction that are 10⁸ times smaller than the largest are made as large as
-// that, by which a ray moves less than wide_padding() on its way through the mesh.
+// that, by which a ray moves less than slab_padding() on its way through the mesh.
 FN vec3 wide_inverse(vec3 d) {
     float tiny = 1.0e-8f * max(max(abs(d.x), abs(d.y)), abs(d.z));
     return vec3(wide_inverse_component(d.x, tiny), wide_inverse_component(d.y, tiny),
@@ -42,7 +28,7 @@ FN_ANEW void mesh_wide_walk(const_in(SceneView) scene, uint mesh, const_in(MeshR
                             inout(WalkCount) count) {
     uint root = scene.meshes.at[mesh].node_first;
     vec3 inverse = wide_inverse(ray.ray.direction);
-    float padding = wide_padding(scene.meshes.at[mesh].lower, scene.meshes.at[mesh].upper, ray.ray.origin);
+    float padding = slab_padding(scene.meshes.at[mesh].lower, scene.meshes.at[mesh].upper, ray.ray.origin);
     vec3 lower_origin = ray.ray.origin + vec3(padding);
     vec3 upper_origin = ray.ray.origin - vec3(padding);
     WideStack stack;

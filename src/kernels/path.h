@@ -31,6 +31,11 @@ const uint PATH_ALIVE = 1u;
 const uint PATH_SPECULAR = 2u;    // the last scattering was a delta: light sampling could not have made it
 const uint PATH_FIRST_SEEN = 4u;  // AOVs are recorded
 const uint PATH_BOUND_REACHED = 8u;
+// For whoever follows both ways where a surface is polished (whitted.h). They are asked for one after the other, of the
+// same state:
+const uint PATH_TAKES_MIRROR = 16u;   // the lobe that has no width, …
+const uint PATH_LEAVES_MIRROR = 32u;  // … and one of the others
+const uint PATH_FORKED = 64u;         // there was one
 
 struct PathState {
     Ray ray;
@@ -196,6 +201,22 @@ FN void cross_surface(const_in(SceneView) scene, const_in(Surface) s, inout(Path
     state.ray = Ray(leave_surface(scene, s, state.ray.direction), 0.0f, state.ray.direction, INFINITE);
 }
 
+// A sample of the one or the other half of a BSDF that has a delta lobe, in place of either by chance.
+FN BsdfSample half_of_bsdf(const_in(Bsdf) bsdf, vec3 wo, float u_lobe, vec2 u, inout(uint) flags) {
+    BsdfSample mirror = bsdf_sample(bsdf, wo, 0.0f, u);  // such a lobe is the first that is chosen from
+    if ((mirror.flags & LOBE_DELTA) == 0u) return bsdf_sample(bsdf, wo, u_lobe, u);
+    float p = mirror.pdf;
+    if ((flags & PATH_TAKES_MIRROR) != 0u) {
+        flags |= PATH_FORKED;
+        mirror.weight *= p;
+        return mirror;
+    }
+    if (p >= 1.0f) return bsdf_failed();
+    BsdfSample rest = bsdf_sample(bsdf, wo, clamp(mix(p, 1.0f, u_lobe), p, ONE_MINUS_EPSILON), u);
+    rest.weight *= 1.0f - p;  // densities stay those of all lobes together: so MIS goes on as it does
+    return rest;
+}
+
 FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
                          const_in(Hit) hit) {
     Connection c = no_connection(state);
@@ -300,7 +321,10 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
             }
         }
     }
-    BsdfSample next = bsdf_sample(bsdf, wo_local, u_choice.y, u_bsdf);
+    BsdfSample next;
+    if ((state.flags & (PATH_TAKES_MIRROR | PATH_LEAVES_MIRROR)) == 0u)
+        next = bsdf_sample(bsdf, wo_local, u_choice.y, u_bsdf);
+    else next = half_of_bsdf(bsdf, wo_local, u_choice.y, u_bsdf, state.flags);
     vec3 direction = to_world(frame, next.direction);
     if ((next.flags & LOBE_FAILED) != 0u || is_black(next.weight) ||
         (next.direction.z > 0.0f) != (dot(direction, s.geometric_normal) * wo_side > 0.0f)) {
@@ -374,13 +398,19 @@ FN vec3 path_connect(const_in(SceneView) scene, const_in(PathSettings) settings,
     return density > 0.0f ? c.value * w.throughput / density : vec3(0.0f);
 }
 
+// Shades the hit at the end of a path's ray, and connects.
+FN void path_step(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
+                  const_in(Hit) hit) {
+    Connection c = path_shade(scene, settings, state, hit);
+    if (c.valid && !trace_occluded(scene, c.ray))
+        state.radiance += clamped(settings, state, path_connect(scene, settings, state, c));
+}
+
 // Follows a path from the hit at the end of its ray to its own end.
 FN void path_follow(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, Hit hit) {
     for (uint i = 0u; i <= MAX_PATH_SEGMENTS && (state.flags & PATH_ALIVE) != 0u; ++i) {
         if (i > 0u) hit = path_extend(scene, state);
-        Connection c = path_shade(scene, settings, state, hit);
-        if (c.valid && !trace_occluded(scene, c.ray))
-            state.radiance += clamped(settings, state, path_connect(scene, settings, state, c));
+        path_step(scene, settings, state, hit);
     }
 }
 

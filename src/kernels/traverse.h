@@ -22,6 +22,10 @@ FN bool instance_admitted(uint flags, uint mask) {
     return (kind & mask) != 0u;
 }
 
+// For the boxes of instances, which are widened already by what slab_padding() tells for themselves at the origin: what
+// is left is the ray's own part, so that a large instance does not widen the boxes of small ones.
+FN SlabRay instance_slab_ray(Ray ray) { return slab_ray(ray, slab_padding(vec3(0.0f), vec3(0.0f), ray.origin)); }
+
 FN Ray ray_to_local(const_in(Instance) instance, Ray ray) {
     return Ray(instance.world_to_object * vec4(ray.origin, 1.0f), ray.t_min,
                instance.world_to_object * vec4(ray.direction, 0.0f), ray.t_max);
@@ -87,7 +91,7 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
 FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     Hit hit = no_hit(ray.t_max);
     if (scene.bounded_count > 0u) {
-        SlabRay slab = slab_ray(ray);
+        SlabRay slab = instance_slab_ray(ray);
         BvhStack stack;
         uint stack_size = 0u;
         uint entry = bvh_entry(scene.instance_nodes.at[0]);
@@ -116,7 +120,7 @@ FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
             bool found = false;
             while (stack_size > 0u && !found) {
                 --stack_size;
-                found = bvh_still_entered(stack.enter[stack_size], hit.t);
+                found = stack.enter[stack_size] <= hit.t;
                 entry = stack.entry[stack_size];
             }
             if (!found) break;
@@ -136,7 +140,7 @@ FN bool trace_any(const_in(SceneView) scene, Ray ray, uint mask) {
             return true;
     }
     if (scene.bounded_count == 0u) return false;
-    SlabRay slab = slab_ray(ray);
+    SlabRay slab = instance_slab_ray(ray);
     BvhStack stack;
     uint stack_size = 0u;
     uint entry = bvh_entry(scene.instance_nodes.at[0]);
@@ -182,7 +186,7 @@ struct InstanceWalk {
 
 FN InstanceWalk walk_instances(const_in(SceneView) scene, Ray ray) {
     InstanceWalk walk;
-    walk.slab = slab_ray(ray);
+    walk.slab = instance_slab_ray(ray);
     walk.t_max = ray.t_max;
     walk.stack_size = 0u;
     walk.next = 0u;

@@ -327,7 +327,12 @@ void build_top_level(Compilation& c) {
         bounded.push_back(i);
         boxes.push_back(world_bounds(out.instances[i].object_to_world, shape.lower, shape.upper));
     }
-    const Bvh bvh = build_bvh(boxes, {.max_leaf = 1});
+    std::vector<Box> widened = boxes;  // as kernels::instance_slab_ray() has it
+    for (Box& box : widened) {
+        const vec3 pad(kernels::slab_padding(box.lower, box.upper, vec3(0)));
+        box = {box.lower - pad, box.upper + pad};
+    }
+    const Bvh bvh = build_bvh(widened, {.max_leaf = 1});
     out.instance_nodes = bvh.nodes;
     for (const uint i : bvh.order) out.instance_order.push_back(bounded[i]);
     out.bounded_count = uint(bvh.order.size());

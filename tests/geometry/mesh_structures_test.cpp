@@ -4,11 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <functional>
 #include <map>
 
 #include "geometry/test_scene.h"
-#include "kernels/mesh.h"
+#include "kernels/traverse.h"
 
 namespace spinel {
 namespace {
@@ -85,6 +86,32 @@ MeshGeometry the_same_many_times(int count) {
     return soup_of(std::vector<kernels::Triangle>(std::size_t(count), t));
 }
 
+// A floor of strips along z, 2000 long and about 0.01 wide, in a frame of wide ones.
+const std::vector<float>& strip_edges() {
+    static const std::vector<float> edges = [] {
+        Random random(10);
+        std::vector<float> x{-1000};
+        for (int i = 0; i < 80; ++i) x.push_back(random.uniform(0.1f, 0.9f));
+        x.push_back(1000);
+        std::sort(x.begin(), x.end());
+        return x;
+    }();
+    return edges;
+}
+
+MeshGeometry strips() {
+    MeshGeometry mesh;
+    for (const float x : strip_edges()) {
+        mesh.positions.push_back({x, 0, -1000});
+        mesh.positions.push_back({x, 0, 1000});
+    }
+    for (std::uint32_t a = 0; a + 2 < mesh.positions.size(); a += 2) {
+        mesh.triangles.push_back({a, a + 2, a + 3});
+        mesh.triangles.push_back({a, a + 3, a + 1});
+    }
+    return mesh;
+}
+
 struct Case {
     const char* name;
     std::function<MeshGeometry()> mesh;
@@ -109,6 +136,7 @@ const Case cases[] = {
     {"far away soup", [] { return moved(random_soup(400, 0.1f), 1, vec3(1e4f, 2e4f, -3e4f)); }},
     {"tiny", [] { return moved(icosphere(2), 1e-6f, vec3(0)); }},
     {"enormous", [] { return moved(torus(16, 12, 0.3f), 1e6f, vec3(0)); }},
+    {"strips", [] { return strips(); }},
     {"teapot in the stadium",
      [] { return together(moved(icosphere(4), 0.02f, vec3(3, 1, -2)), moved(steps(), 10, vec3(-40, 0, -40))); }},
 };
@@ -252,6 +280,42 @@ TEST_P(MeshStructures, closest_and_any_hit_equal_brute_force_on_adversarial_rays
     }
 }
 
+// An edge is moved by the rounding of its ends, 1000 away, and not by that of where a ray meets it.
+TEST_P(MeshStructures, no_ray_falls_between_long_strips) {
+    if (test().test != kernels::TRIANGLE_WATERTIGHT && test().test != kernels::TRIANGLE_INDEXED)
+        GTEST_SKIP() << "neighbours may disagree about their edge";
+    struct Placed {
+        float scale;
+        vec3 by;
+    };
+    for (const Placed& placed : {Placed{1, vec3(0)}, Placed{1, vec3(300, 0, -500)}, Placed{1e-4f, vec3(0.01f, 0, 0)},
+                                 Placed{100, vec3(1e6f, 0, 2e6f)}, Placed{3e5f, vec3(0)}}) {
+        SCOPED_TRACE(placed.scale);
+        TestScene built;
+        const MeshGeometry mesh = moved(strips(), placed.scale, placed.by);
+        built.place(kernels::GEOMETRY_MESH, built.add(mesh, {structure().name, test().name}));
+        const SceneView& scene = built.view();
+        Random random(11);
+        for (int i = 0; i < 2000; ++i) {
+            const float edge = strip_edges()[1 + random.below(std::uint32_t(strip_edges().size()) - 2)];
+            const float height = std::exp(random.uniform(-9, 3));
+            const vec3 direction(random.uniform(-0.3f, 0.3f), -random.uniform(0.001f, 0.2f), 1);
+            const float t = height / -direction.y;
+            if (t > 900) continue;
+            vec3 target(edge, 0, 0);
+            if (i % 2) target.z = random.uniform(-50, 50);
+            const Ray ray((target - t * direction) * placed.scale + placed.by, 0, direction, kernels::INFINITE);
+            Hit hit = kernels::no_hit(ray.t_max);
+            kernels::mesh_closest(scene, 0, ray, hit);
+            ASSERT_LT(hit.t, kernels::INFINITE) << describe(ray);
+            ASSERT_EQ(hit.t, naive_closest(scene, ray).t) << describe(ray);
+            ASSERT_TRUE(kernels::mesh_any(scene, 0, ray)) << describe(ray);
+            Hit placed_hit = kernels::trace_closest(scene, ray, kernels::TRACE_ALL);
+            ASSERT_EQ(placed_hit.t, hit.t) << describe(ray);
+        }
+    }
+}
+
 TEST_P(MeshStructures, every_triangle_is_stored_once_and_measured) {
     TestScene built;
     const MeshGeometry mesh = torus(40, 30, 0.4f);
@@ -268,12 +332,46 @@ TEST_P(MeshStructures, every_triangle_is_stored_once_and_measured) {
     EXPECT_GT(data->statistics.bytes, mesh.triangles.size() * 12);
 }
 
+// Inputs whose triangles all lie in the same cells, where every cut of space doubles what is on either side.
+class MeshBudgets : public testing::TestWithParam<std::size_t> {
+  protected:
+    void expect_bounded(const MeshGeometry& mesh) {
+        const MeshStructure& structure = mesh_structures()[GetParam()];
+        const std::clock_t start = std::clock();  // all threads together
+        const auto data = build_mesh(mesh, {structure.name, ""});
+        const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+        ASSERT_TRUE(data) << data.error().message;
+        const double count = double(mesh.triangles.size());
+        // Sixteen references of four bytes, nodes or cells over them, the triangles; and what is for small meshes.
+        EXPECT_LT(double(data->statistics.bytes), 400 * count + 16e6);
+        EXPECT_LT(seconds, 10) << "of the processor";
+        EXPECT_EQ(data->triangles.size(), mesh.triangles.size());
+    }
+};
+
+TEST_P(MeshBudgets, copies_of_one_triangle) { expect_bounded(the_same_many_times(10000)); }
+
+TEST_P(MeshBudgets, a_soup_of_triangles_as_large_as_itself) { expect_bounded(random_soup(5000, 1)); }
+
+TEST_P(MeshBudgets, copies_of_a_small_triangle_in_a_large_mesh) {
+    expect_bounded(together(moved(the_same_many_times(5000), 1e-3f, vec3(0.5f)), random_soup(2000, 0.1f)));
+}
+
+TEST_P(MeshBudgets, needles_side_by_side) { expect_bounded(slivers(5000)); }
+
 std::string parameter_name(const testing::TestParamInfo<std::tuple<std::size_t, std::size_t>>& info) {
     std::string name = std::string(mesh_structures()[std::get<0>(info.param)].name) + "_with_" +
                        triangle_tests()[std::get<1>(info.param)].name;
     std::replace(name.begin(), name.end(), '-', '_');
     return name;
 }
+
+INSTANTIATE_TEST_SUITE_P(All, MeshBudgets, testing::Range(std::size_t(0), mesh_structures().size()),
+                         [](const testing::TestParamInfo<std::size_t>& info) {
+                             std::string name = mesh_structures()[info.param].name;
+                             std::replace(name.begin(), name.end(), '-', '_');
+                             return name;
+                         });
 
 INSTANTIATE_TEST_SUITE_P(All, MeshStructures,
                          testing::Combine(testing::Range(std::size_t(0), mesh_structures().size()),

@@ -15,6 +15,7 @@
 #include "accel/bvh_builder.h"
 #include "geometry/mesh/mesh_builder.h"
 #include "geometry/voxels/voxel_builder.h"
+#include "kernels/box.h"
 #include "kernels/scene_view.h"
 #include "kernels/sdf_ops.h"
 #include "spinel/scene.h"
@@ -141,8 +142,9 @@ class TestScene {
             world.lower = glm::min(world.lower, q);
             world.upper = glm::max(world.upper, q);
         }
-        // The ray is rounded on its way into local space; so much may a primitive seem to stick out.
-        const vec3 margin = 4e-7f * glm::max(glm::abs(world.lower), glm::abs(world.upper));
+        // The ray is rounded on its way into local space, and primitives are by their tests: so much may one seem to
+        // stick out.
+        const vec3 margin(1.25f * kernels::slab_padding(world.lower, world.upper, vec3(0)));
         return {world.lower - margin, world.upper + margin};
     }
 

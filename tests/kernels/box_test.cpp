@@ -10,10 +10,12 @@ namespace {
 
 using namespace test;
 using kernels::slab_entry;
+using kernels::slab_padding;
 using kernels::slab_ray;
 
 bool slab_hit(const Box& box, const kernels::Ray& r) {
-    return slab_entry(box.lower, box.upper, slab_ray(r), r.t_max) < kernels::INFINITE;
+    return slab_entry(box.lower, box.upper, slab_ray(r, slab_padding(box.lower, box.upper, r.origin)), r.t_max) <
+           kernels::INFINITE;
 }
 
 TEST(SlabTest, never_misses_a_box_through_one_of_its_points) {

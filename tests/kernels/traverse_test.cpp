@@ -2,11 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-#include <filesystem>
 #include <map>
-#include <optional>
 
+#include "geometry/scanned_meshes.h"
 #include "geometry/test_scene.h"
 #include "render/reference.h"
 
@@ -244,32 +242,6 @@ TEST(Walk, no_ray_leaks_out_of_closed_meshes) {
     MeshGeometry shifted = icosphere(4);
     for (vec3& p : shifted.positions) p += vec3(1000, -2000, 500);
     expect_no_leaks(shifted, 200000, vec3(1000, -2000, 500), 0.5f, 9);
-}
-
-// An ASCII .ply.gz of Stanford's: vertices x y z first, then faces of three.
-std::optional<MeshGeometry> read_gzipped_ply(const std::filesystem::path& path) {
-    if (!std::filesystem::exists(path)) return {};
-    FILE* pipe = popen(("gzip -dc '" + path.string() + "'").c_str(), "r");
-    if (!pipe) return {};
-    MeshGeometry mesh;
-    char line[512];
-    std::size_t vertices = 0, faces = 0;
-    while (std::fgets(line, sizeof line, pipe) && std::strncmp(line, "end_header", 10) != 0) {
-        std::sscanf(line, "element vertex %zu", &vertices);
-        std::sscanf(line, "element face %zu", &faces);
-    }
-    for (std::size_t i = 0; i < vertices && std::fgets(line, sizeof line, pipe); ++i) {
-        vec3 p(0);
-        std::sscanf(line, "%f %f %f", &p.x, &p.y, &p.z);
-        mesh.positions.push_back(p);
-    }
-    for (std::size_t i = 0; i < faces && std::fgets(line, sizeof line, pipe); ++i) {
-        uvec3 t(0);
-        std::sscanf(line, "3 %u %u %u", &t.x, &t.y, &t.z);
-        mesh.triangles.push_back(t);
-    }
-    pclose(pipe);
-    return mesh;
 }
 
 // A ray at an edge from whose two triangles it sees the same side cannot pass between them, whatever else is

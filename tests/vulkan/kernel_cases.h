@@ -89,7 +89,8 @@ FN CaseResult box_case(uint i) {
     vec3 origin = draw_vector(r, -3.0f, 3.0f);
     vec3 target = draw_vector(r, -1.5f, 1.5f);
     Ray ray = Ray(origin, 0.0f, target - origin, INFINITE);
-    float entry = slab_entry(vec3(-1.0f), vec3(1.0f), slab_ray(ray), ray.t_max);
+    float entry =
+        slab_entry(vec3(-1.0f), vec3(1.0f), slab_ray(ray, slab_padding(vec3(-1.0f), vec3(1.0f), origin)), ray.t_max);
     Hit hit = no_hit(ray.t_max);
     box_closest(ray, hit);
     bool found = hit.t < ray.t_max;

@@ -83,7 +83,7 @@ SPINEL_INLINE bool make_packet(const WideMesh& mesh, const Ray* rays, Packet& p)
                       _mm256_cmp_ps(ray.t_min, zero, _CMP_GE_OQ)));
     if (lanes_of(usable) != 255) return false;
 
-    // kernels::wide_padding(), the greatest of it.
+    // kernels::slab_padding(), the greatest of it.
     const __m256 padding = greatest(_mm256_fmadd_ps(_mm256_set1_ps(1.9073486e-6f), padding_far,
                                                     _mm256_mul_ps(_mm256_set1_ps(2.3841858e-7f), padding_origin)));
     const __m256 tiny = _mm256_mul_ps(longest, _mm256_set1_ps(1e-8f)), sign = _mm256_set1_ps(-0.0f);

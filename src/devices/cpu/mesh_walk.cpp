@@ -39,7 +39,7 @@ kernels::Triangle triangle_of(const float* block, int lane) {
 template <class Visit>
 void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit& visit) {
     const glm::vec3 inverse = kernels::wide_inverse(ray.direction);
-    const float padding = kernels::wide_padding(mesh.lower, mesh.upper, ray.origin);
+    const float padding = kernels::slab_padding(mesh.lower, mesh.upper, ray.origin);
     Entry stack[kernels::WIDE_STACK_SIZE];
     int size = 0;
     stack[size++] = {0, ray.t_min};

@@ -44,7 +44,7 @@ struct Slabs {
 };
 
 SPINEL_INLINE Slabs make_slabs(const WideMesh& mesh, const Ray& ray) {
-    const float padding = kernels::wide_padding(mesh.lower, mesh.upper, ray.origin);
+    const float padding = kernels::slab_padding(mesh.lower, mesh.upper, ray.origin);
     const glm::vec3 inverse = kernels::wide_inverse(ray.direction), o = ray.origin;
     return {make_slab_axis(0, o.x, inverse.x, padding), make_slab_axis(1, o.y, inverse.y, padding),
             make_slab_axis(2, o.z, inverse.z, padding), _mm256_set1_ps(ray.t_min)};

@@ -28,7 +28,7 @@ struct SlabPacket {
         for (int i = 0; i < packet_size; ++i) {
             // Rays that are not asked for repeat one that is: any number would do, but must be one.
             const Ray& ray = rays[lanes >> i & 1 ? i : std::countr_zero(lanes)];
-            const kernels::SlabRay slab = kernels::slab_ray(ray);
+            const kernels::SlabRay slab = kernels::instance_slab_ray(ray);
             for (int a = 0; a < 3; ++a) {
                 lower_origin[a][i] = slab.lower_origin[a];
                 upper_origin[a][i] = slab.upper_origin[a];
@@ -52,7 +52,7 @@ struct SlabPacket {
                 out[i] = std::min(out[i], std::max(t0, t1));
             }
         unsigned inside = 0;
-        for (int i = 0; i < packet_size; ++i) inside |= unsigned(in[i] <= out[i] * kernels::SLAB_WIDENING) << i;
+        for (int i = 0; i < packet_size; ++i) inside |= unsigned(in[i] <= out[i]) << i;
         inside &= lanes;
         nearest = kernels::INFINITE;
         for (unsigned rest = inside; rest; rest &= rest - 1) nearest = std::min(nearest, in[std::countr_zero(rest)]);

@@ -16,16 +16,6 @@ Result<void> check_size(const char* name, std::size_t size, const char* unit, st
                  "; allowed: none, or one for each"};
 }
 
-// In double, as the map of a thin triangle is large; z counts along the normal, in units of the root of twice the area,
-// so that all three rows are of a size.
-kernels::UnitTriangle unit_triangle(const kernels::Triangle& t) {
-    const glm::dvec3 a(t.a), ab = glm::dvec3(t.b) - a, ac = glm::dvec3(t.c) - a, normal = glm::cross(ab, ac);
-    const glm::dmat3 to_triangle(ab, ac, normal / std::sqrt(glm::length(normal)));
-    const glm::dmat3 rows = glm::transpose(glm::inverse(to_triangle));
-    const auto row = [&](int i) { return vec4(vec3(rows[i]), float(-glm::dot(rows[i], a))); };
-    return {row(0), row(1), row(2)};
-}
-
 // What the triangle test reads, and how much memory all that a ray may read takes.
 void add_test_data(const MeshGeometry& mesh, MeshData& data) {
     const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
@@ -46,6 +36,14 @@ void add_test_data(const MeshGeometry& mesh, MeshData& data) {
 }
 
 }  // namespace
+
+kernels::UnitTriangle unit_triangle(const kernels::Triangle& t) {
+    const glm::dvec3 a(t.a), ab = glm::dvec3(t.b) - a, ac = glm::dvec3(t.c) - a, normal = glm::cross(ab, ac);
+    const glm::dmat3 to_triangle(ab, ac, normal / std::sqrt(glm::length(normal)));
+    const glm::dmat3 rows = glm::transpose(glm::inverse(to_triangle));
+    const auto row = [&](int i) { return vec4(vec3(rows[i]), float(-glm::dot(rows[i], a))); };
+    return {row(0), row(1), row(2)};
+}
 
 Result<void> validate_mesh(const MeshGeometry& mesh) {
     const std::size_t vertex_count = mesh.positions.size();
@@ -111,7 +109,8 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings&
     }
 
     const auto start = std::chrono::steady_clock::now();
-    (*structure)->build({triangles, boxes}, data.structure, data.statistics);
+    if (auto built = (*structure)->build({triangles, boxes}, data.structure, data.statistics); !built)
+        return built.error();
     data.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     const std::vector<std::uint32_t>& order = data.structure.order;

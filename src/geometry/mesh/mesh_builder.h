@@ -28,6 +28,10 @@ struct MeshData {
     MeshStatistics statistics;
 };
 
+// The map that kernels::triangle_unit() wants. In double, as that of a thin triangle is large; z counts along the
+// normal, in units of the root of twice the area, so that all three rows are of a size.
+kernels::UnitTriangle unit_triangle(const kernels::Triangle& t);
+
 // At least one triangle; indices within the positions; positions finite; attribute arrays empty or one a
 // vertex, slots empty or one a triangle.
 Result<void> validate_mesh(const MeshGeometry& mesh);

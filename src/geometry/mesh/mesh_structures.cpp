@@ -15,27 +15,37 @@
 namespace spinel {
 namespace {
 
-void take(Bvh&& bvh, MeshArrays& arrays, MeshStatistics& statistics) {
+Result<void> check_index(const char* structure, std::size_t size, std::size_t most) {
+    if (size < most) return {};
+    return Error{"mesh is too large for a " + std::string(structure) + ": " + std::to_string(size) +
+                 " nodes or references; allowed: less than " + std::to_string(most)};
+}
+
+Result<void> take(Bvh&& bvh, MeshArrays& arrays, MeshStatistics& statistics) {
+    // An entry of a walk's stack holds a node in 28 bits.
+    if (auto r = check_index("binary BVH", bvh.nodes.size(), std::size_t(1) << 28); !r) return r;
     statistics.sah_cost = bvh.statistics.sah_cost;
     statistics.depth = bvh.statistics.depth;
     statistics.leaf_count = bvh.statistics.leaf_count;
     arrays.nodes = std::move(bvh.nodes);
     arrays.order = std::move(bvh.order);
+    return {};
 }
 
-void build_stackless(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
-    take(build_bvh(input.boxes), arrays, statistics);
+Result<void> build_stackless(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    if (auto r = take(build_bvh(input.boxes), arrays, statistics); !r) return r;
     arrays.nodes = with_skip_links(arrays.nodes);
+    return {};
 }
 
 template <BvhMethod method>
-void build_bvh2(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
-    take(build_bvh(input.boxes, {.method = method}), arrays, statistics);
+Result<void> build_bvh2(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+    return take(build_bvh(input.boxes, {.method = method}), arrays, statistics);
 }
 
-void build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+Result<void> build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     constexpr BvhOptions options;
-    take(build_bvh(input.boxes, options), arrays, statistics);
+    if (auto r = take(build_bvh(input.boxes, options), arrays, statistics); !r) return r;
     arrays.sphere_nodes = sphere_nodes(arrays.nodes, [&](std::uint32_t place, const glm::dvec3& from) {
         const kernels::Triangle& t = input.triangles[arrays.order[place]];
         const auto square = [&](const glm::vec3& p) {
@@ -46,11 +56,14 @@ void build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStatistics& s
     });
     arrays.nodes.clear();
     statistics.sah_cost = sphere_cost(arrays.sphere_nodes, options.traversal_cost);
+    return {};
 }
 
-void build_kd(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+Result<void> build_kd(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     KdTree tree = build_kd_tree(
         input.boxes, [&](std::uint32_t i, const Box& region) { return clipped_bounds(input.triangles[i], region); });
+    const std::size_t most = std::size_t(1) << 29;
+    if (auto r = check_index("kd-tree", std::max(tree.nodes.size(), tree.references.size()), most); !r) return r;
     // Triangles in the order in which leaves name them first.
     std::vector<std::uint32_t> place(input.triangles.size(), kernels::NONE);
     for (std::uint32_t& reference : tree.references) {
@@ -66,10 +79,11 @@ void build_kd(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statis
     statistics.sah_cost = tree.sah_cost;
     statistics.depth = tree.depth;
     statistics.leaf_count = tree.leaf_count;
+    return {};
 }
 
 template <bool hierarchical>
-void build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+Result<void> build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     const auto cells_of = [&](std::uint32_t i, const CellGrid& grid, const VisitCell& visit) {
         const kernels::Triangle& t = input.triangles[i];
         const auto in_cells = [&](const glm::vec3& p) {
@@ -81,15 +95,17 @@ void build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatistics& sta
     GridOptions options;
     if (hierarchical) options = {.density = 1, .refine_above = 8};
     Grid3 grid = build_grid(input.boxes, cells_of, options);
+    if (auto r = check_index("grid", grid.words.size(), kernels::GRID_REFINED); !r) return r;
     arrays.grids = std::move(grid.grids);
     arrays.references = std::move(grid.words);
     arrays.order = std::move(grid.order);
     statistics.sah_cost = grid.sah_cost;
     statistics.depth = grid.depth;
     statistics.leaf_count = grid.list_count;
+    return {};
 }
 
-void build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
+Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     WideBvh tree = build_wide_mesh(input.triangles);
     arrays.wide_units = std::move(tree.units);
     arrays.order.resize(input.triangles.size());
@@ -97,6 +113,7 @@ void build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& stat
     statistics.sah_cost = tree.statistics.sah_cost * 4;  // blocks of four triangles
     statistics.depth = tree.statistics.depth;
     statistics.leaf_count = tree.statistics.block_count;
+    return {};
 }
 
 constexpr MeshStructure structures[] = {
@@ -106,6 +123,9 @@ constexpr MeshStructure structures[] = {
      build_bvh2<BvhMethod::binned>},
     {"bvh2-sweep", "binary BVH by surface area heuristic at every plane", kernels::MESH_WALK_BVH2,
      build_bvh2<BvhMethod::sweep>},
+    {"bvh2-reinsertion",
+     "the tree of bvh2, its nodes moved to where they cost the least: for long renders of interiors",
+     kernels::MESH_WALK_BVH2, build_bvh2<BvhMethod::reinsertion>},
     {"bvh2-median", "binary BVH that halves by number", kernels::MESH_WALK_BVH2, build_bvh2<BvhMethod::median>},
     {"bvh2-stackless", "the tree of bvh2, walked by skip links", kernels::MESH_WALK_STACKLESS, build_stackless},
     {"kd-tree", "kd-tree by surface area heuristic over clipped triangles, 8-byte nodes", kernels::MESH_WALK_KD,

@@ -46,7 +46,8 @@ struct MeshStructure {
     const char* name;
     const char* doc;
     kernels::uint walk;  // MESH_WALK_…
-    void (*build)(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics);
+    // Fails where there is more than the indices of nodes can tell apart.
+    Result<void> (*build)(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics);
 };
 
 // The first is the default.
