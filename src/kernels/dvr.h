@@ -88,16 +88,30 @@ FN vec2 dvr_light(const_in(DvrSettings) s, vec3 gradient, vec3 direction) {
     return vec2(s.ambient + s.diffuse * diffuse, s.specular * pow(highlight, s.shininess));
 }
 
-// Part of the light that reaches p through the volume, as far as the settings let it take any.
-FN float dvr_shadow(const_in(SceneView) scene, const_in(DvrSettings) s, const_in(Medium) m, vec3 p, vec3 direction) {
+// How far towards the light the volume is looked at from a place in world space: what planes cut away casts no shadow.
+FN float dvr_light_way(const_in(DvrSettings) s, vec3 world, vec3 to_light) {
+    float way = s.shadow_reach;
+    for (uint i = 0u; i < s.plane_count; ++i) {
+        vec3 n = vec3(s.planes[i].x, s.planes[i].y, s.planes[i].z);
+        float rate = dot(n, to_light);
+        if (rate > 0.0f) way = min(way, (s.planes[i].w - dot(n, world)) / rate);
+    }
+    return way;
+}
+
+// Part of the light that reaches p, the same place in index space, through the volume, as far as the settings let it
+// take any.
+FN float dvr_shadow(const_in(SceneView) scene, const_in(DvrSettings) s, const_in(Medium) m, vec3 world, vec3 p,
+                    vec3 direction) {
     if (!(s.shadow > 0.0f)) return 1.0f;
     vec3 l = s.headlight != 0u ? -direction : s.to_light;
     vec3 along = m.world_to_grid * vec4(l, 0.0f);
+    float way = dvr_light_way(s, world, l);
     float step = 2.0f * s.voxel;
     float depth = 0.0f;
     for (uint i = 1u; i < MAX_DVR_STEPS; ++i) {  // begins two voxels away: the sample's own layer is no shadow
         float t = float(i) * step;
-        if (t > s.shadow_reach || depth > 8.0f) break;
+        if (t > way || depth > 8.0f) break;
         vec3 q = p + t * along;
         bool inside = true;
         for (int a = 0; a < 3; ++a)
@@ -117,17 +131,20 @@ struct DvrSeen {
     bool bound_reached;
 };
 
-FN vec3 dvr_lit(const_in(SceneView) scene, const_in(DvrSettings) s, const_in(Medium) m, vec3 p, vec3 direction,
-                vec3 color, inout(vec3) gradient) {
-    if (s.shaded == 0u) return color * dvr_shadow(scene, s, m, p, direction);
+// The colour of a place along the ray as it is lit there.
+FN vec3 dvr_lit(const_in(SceneView) scene, const_in(DvrSettings) s, const_in(Medium) m, Ray ray, const_in(DvrSpan) span,
+                float t, vec3 color, inout(vec3) gradient) {
+    vec3 p = span.origin + t * span.direction;
+    float shadow = dvr_shadow(scene, s, m, ray_at(ray, t), p, ray.direction);
+    if (s.shaded == 0u) return color * shadow;
     gradient = dvr_gradient(scene, m, p);
-    vec2 light = dvr_light(s, gradient, direction);
-    return (color * light.x + vec3(light.y)) * dvr_shadow(scene, s, m, p, direction);
+    vec2 light = dvr_light(s, gradient, ray.direction);
+    return (color * light.x + vec3(light.y)) * shadow;
 }
 
 FN DvrSeen dvr_nothing() { return DvrSeen(vec3(0.0f), 1.0f, 0.0f, vec3(0.0f), false); }
 
-FN DvrSeen dvr_composite(const_in(SceneView) scene, const_in(DvrSettings) s, vec3 direction, const_in(DvrSpan) span,
+FN DvrSeen dvr_composite(const_in(SceneView) scene, const_in(DvrSettings) s, Ray ray, const_in(DvrSpan) span,
                          float start) {
     RECORD(Medium) m = scene.media.at[s.medium];
     DvrSeen seen = dvr_nothing();
@@ -137,15 +154,14 @@ FN DvrSeen dvr_composite(const_in(SceneView) scene, const_in(DvrSettings) s, vec
     for (uint i = 0u; i < MAX_DVR_STEPS; ++i) {
         float t = (first + float(i) + start) * s.step;
         if (t > span.end) return seen;
-        vec3 p = span.origin + t * span.direction;
-        float x1 = transfer_place(s, dvr_value(scene, m, p));
+        float x1 = transfer_place(s, dvr_value(scene, m, span.origin + t * span.direction));
         if (i > 0u) {
             vec4 mean = transfer_between(scene, s, x0, x1);
             float opacity = 1.0f - exp(-mean.w * s.step);
             if (opacity > DVR_FAINT) {
-                vec3 middle = p - (0.5f * s.step) * span.direction;
                 vec3 gradient = vec3(0.0f);
-                vec3 color = dvr_lit(scene, s, m, middle, direction, vec3(mean.x, mean.y, mean.z) / mean.w, gradient);
+                vec3 color =
+                    dvr_lit(scene, s, m, ray, span, t - 0.5f * s.step, vec3(mean.x, mean.y, mean.z) / mean.w, gradient);
                 seen.color += seen.left * opacity * color;
                 float before = seen.left;
                 seen.left *= 1.0f - opacity;
@@ -183,7 +199,7 @@ FN DvrSeen dvr_projection(const_in(SceneView) scene, const_in(DvrSettings) s, co
         float value = dvr_value(scene, m, span.origin + t * span.direction);
         if (value > greatest) {
             greatest = value;
-            seen.depth = t;
+            if (s.mode == DVR_MAXIMUM) seen.depth = t;
         }
         sum += value;
         count += 1u;
@@ -200,7 +216,7 @@ FN DvrSeen dvr_projection(const_in(SceneView) scene, const_in(DvrSettings) s, co
 }
 
 // The first place where the value crosses `iso`: between two samples on either side of it, halved until it is a point.
-FN DvrSeen dvr_isosurface(const_in(SceneView) scene, const_in(DvrSettings) s, vec3 direction, const_in(DvrSpan) span,
+FN DvrSeen dvr_isosurface(const_in(SceneView) scene, const_in(DvrSettings) s, Ray ray, const_in(DvrSpan) span,
                           float start) {
     RECORD(Medium) m = scene.media.at[s.medium];
     DvrSeen seen = dvr_nothing();
@@ -218,7 +234,7 @@ FN DvrSeen dvr_isosurface(const_in(SceneView) scene, const_in(DvrSettings) s, ve
                     else t1 = t;
                 }
             vec3 gradient = vec3(0.0f);
-            seen.color = dvr_lit(scene, s, m, span.origin + t1 * span.direction, direction, s.iso_color, gradient);
+            seen.color = dvr_lit(scene, s, m, ray, span, t1, s.iso_color, gradient);
             seen.left = 0.0f;
             seen.depth = t1;
             seen.normal = normalize_any(-gradient);
@@ -261,8 +277,8 @@ FN PixelSample dvr(const_in(SceneView) scene, const_in(DvrSettings) s, Ray ray, 
         DvrSpan span = dvr_span(scene, s, ray, view.found ? view.distance : INFINITE);
         float start = s.jitter != 0u ? sampler_1d(numbers) : 0.0f;
         if (span.begin < span.end) {
-            if (s.mode == DVR_COMPOSITE) seen = dvr_composite(scene, s, ray.direction, span, start);
-            else if (s.mode == DVR_ISOSURFACE) seen = dvr_isosurface(scene, s, ray.direction, span, start);
+            if (s.mode == DVR_COMPOSITE) seen = dvr_composite(scene, s, ray, span, start);
+            else if (s.mode == DVR_ISOSURFACE) seen = dvr_isosurface(scene, s, ray, span, start);
             else seen = dvr_projection(scene, s, span, start);
         }
     }

@@ -1,10 +1,10 @@
-// Volumes as OpenVDB itself writes them.
+// Volumes as OpenVDB itself writes them. Its trees take seconds each to compile, so that here all are of floats;
+// wind_and_count.vdb holds what else is needed: grids of vectors and of integers, one voxel each.
 
 #include "formats/vdb_volume.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetSphere.h>
 
 #include "formats/vdb.h"
 #include "scene/validate.h"
@@ -31,11 +31,10 @@ TEST_F(VdbVolume, samples_stand_where_openvdb_has_them) {
         grid->setName("density");
         grid->setTransform(openvdb::math::Transform::createLinearTransform(m));
         grid->setSaveFloatAsHalf(half);
-        auto accessor = grid->getAccessor();
         std::vector<Coord> places;
         for (int i = 0; i < 30; ++i) {
             places.emplace_back(3 * i - 40, 17 - i, i * i % 23);
-            accessor.setValue(places.back(), float(i) / 8 - 1);
+            grid->tree().setValueOn(places.back(), float(i) / 8 - 1);
         }
         const auto path = folder / "a.vdb";
         write_vdb(path, {grid});
@@ -50,8 +49,8 @@ TEST_F(VdbVolume, samples_stand_where_openvdb_has_them) {
             const vec3 p = vec3(to_index * glm::dvec4(world[0], world[1], world[2], 1));
             const ivec3 sample(glm::floor(p));
             EXPECT_NEAR(glm::length(p - vec3(sample) - 0.5f), 0, 1e-3f);
-            EXPECT_EQ(read.samples->at(sample), accessor.getValue(place));
-            EXPECT_EQ(read.samples->at(sample - 1), accessor.getValue(place.offsetBy(-1)));
+            EXPECT_EQ(read.samples->at(sample), grid->tree().getValue(place));
+            EXPECT_EQ(read.samples->at(sample - 1), grid->tree().getValue(place.offsetBy(-1)));
         }
     }
 }
@@ -61,14 +60,21 @@ TEST_F(VdbVolume, several_grids_vectors_tiles_and_level_sets) {
     auto tiles = openvdb::FloatGrid::create(0);
     tiles->setName("density");
     tiles->fill(openvdb::CoordBBox(Coord(0), Coord(511)), 0.5f);
-    auto wind = openvdb::Vec3SGrid::create();
-    wind->setName("wind");
-    wind->getAccessor().setValue(Coord(1, 2, 3), {4, 5, 6});
-    auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(5, {0, 0, 0}, 0.5f);
+    openvdb::io::File others(SPINEL_SOURCE_DIR "/tests/formats/wind_and_count.vdb");
+    others.open();
+    const auto wind = others.readGrid("wind"), count = others.readGrid("count");
+    // A sphere of radius 5, in a band of three voxels.
+    auto sphere = openvdb::FloatGrid::create(1.5f);
     sphere->setName("density");
-    auto count = openvdb::Int32Grid::create();
-    count->setName("count");
-    count->getAccessor().setValue(Coord(1), 1);
+    sphere->setGridClass(openvdb::GRID_LEVEL_SET);
+    sphere->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    for (int z = -14; z <= 14; ++z)
+        for (int y = -14; y <= 14; ++y)
+            for (int x = -14; x <= 14; ++x) {
+                const float distance = 0.5f * glm::length(vec3(ivec3(x, y, z))) - 5;
+                if (std::abs(distance) < 1.5f) sphere->tree().setValueOn(Coord(x, y, z), distance);
+                else if (distance < 0) sphere->tree().setValueOff(Coord(x, y, z), -1.5f);
+            }
     const auto path = folder / "a.vdb";
     write_vdb(path, {tiles, wind, sphere, count});
     const Result<Scene> scene = load_vdb(path, {});
@@ -96,8 +102,8 @@ TEST_F(VdbVolume, several_grids_vectors_tiles_and_level_sets) {
 TEST_F(VdbVolume, what_is_too_large_is_refused_before_it_is_allocated) {
     openvdb::initialize();
     auto grid = openvdb::FloatGrid::create(0);
-    grid->getAccessor().setValue(Coord(0), 1);
-    grid->getAccessor().setValue(Coord(1 << 20, 1 << 20, 1 << 18), 1);
+    grid->tree().setValueOn(Coord(0), 1);
+    grid->tree().setValueOn(Coord(1 << 20, 1 << 20, 1 << 18), 1);
     const auto path = folder / "a.vdb";
     write_vdb(path, {grid});
     expect_refused(load_vdb(path, {}), path, "allowed");

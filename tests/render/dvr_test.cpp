@@ -52,6 +52,27 @@ TEST_F(Dvr, packets_show_what_the_kernel_shows) {
         }
 }
 
+// Rays leap together as far as the nearest obstacle of any of them; what each comes to may not depend on its company.
+TEST_F(Dvr, a_crop_is_that_part_of_the_whole_bit_by_bit) {
+    write(32, ball);
+    for (const char* options :
+         {R"(, "jitter": true, "step": 0.7)", R"(, "light": "scene", "shadow": 0.7)", R"(, "mode": "maximum")",
+          R"(, "mode": "average", "clip_upper": [1, 1, 0.6])", R"(, "mode": "isosurface", "iso": 33.3)"}) {
+        const Result<CompiledScene> compiled = compile_text(scene(std::string(layers) + options, oblique, 40));
+        ASSERT_TRUE(compiled) << compiled.error().message;
+        const Result<std::unique_ptr<Device>> device = make_device("cpu");
+        const std::atomic<bool> stop{false};
+        RenderOptions asked;
+        asked.spp = 3;
+        const Result<RenderResult> whole = render(**device, *compiled, asked, stop);
+        asked.crop = {{9, 13}, {30, 34}};
+        const Result<RenderResult> part = render(**device, *compiled, asked, stop);
+        ASSERT_TRUE(whole && part);
+        for (int y = 13; y < 34; ++y)
+            for (int x = 9; x < 30; ++x) EXPECT_EQ(part->film.at(x, y).sum, whole->film.at(x, y).sum) << options;
+    }
+}
+
 // Opacity is told of a layer of one voxel; 32 of them.
 TEST_F(Dvr, opacity_does_not_depend_on_the_step) {
     write(32, [](int, int, int) { return 5.0f; });

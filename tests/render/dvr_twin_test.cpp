@@ -15,8 +15,9 @@ using kernels::SceneView;
 
 class Twin {
   public:
-    Twin(const CompiledScene& scene, const kernels::Ray& ray)
-        : view_(scene.view()), s_(scene.dvr), m_(view_.media.at[s_.medium]), ray_(ray) {}
+    Twin(const CompiledScene& scene, const kernels::Ray& ray) : Twin(scene.view(), scene.dvr, ray) {}
+    Twin(const SceneView& view, const DvrSettings& settings, const kernels::Ray& ray)
+        : view_(view), s_(settings), m_(view_.media.at[s_.medium]), ray_(ray) {}
 
     vec3 color() const {
         if (s_.mode == kernels::DVR_COMPOSITE) return composite();
@@ -55,14 +56,14 @@ class Twin {
             out = color * (s_.ambient + s_.diffuse * std::abs(glm::dot(n, l))) +
                   s_.specular * std::pow(std::abs(glm::dot(n, half)), s_.shininess);
         }
-        // The box ends the light's way, planes do not: what is cut away by them still shades.
-        const vec3 along = glm::mat3(m_.world_to_grid) * l;
+        // What is cut away casts no shadow.
         float depth = 0;
         for (int i = 1; float(i) * 2 * s_.voxel <= s_.shadow_reach; ++i) {
-            const vec3 q = p + float(i) * 2 * s_.voxel * along;
-            if (glm::any(glm::lessThan(q, s_.clip_lower)) || glm::any(glm::greaterThan(q, s_.clip_upper))) break;
-            const float place = kernels::transfer_place(s_, kernels::dvr_value(view_, m_, q));
-            depth += kernels::transfer_at(view_, s_, place).w * 2 * s_.voxel;
+            const kernels::Ray way(ray_.origin + t * ray_.direction, 0, l, kernels::INFINITE);
+            const Twin toward(view_, s_, way);
+            const float along = float(i) * 2 * s_.voxel;
+            if (!toward.shown(along)) continue;
+            depth += kernels::transfer_at(view_, s_, kernels::transfer_place(s_, toward.value(along))).w * 2 * s_.voxel;
         }
         return out * (1 - s_.shadow * (1 - std::exp(-depth)));
     }
@@ -156,7 +157,9 @@ TEST_F(DvrTwin, what_is_seen_is_the_sum_from_back_to_front) {
          {layer, layer + R"(, "light": "scene", "specular": 0.6)", layer + R"(, "step": 0.5, "shaded": false)",
           layer + R"(, "clip_lower": [0.2, 0, 0.1], "clip_upper": [1, 0.7, 0.9])",
           layer + R"(, "clip_planes": [[0, 0.6, 0.8, 0.75], [1, 0, 0, 0.7]])",
-          layer + R"(, "light": "scene", "shadow": 0.9)", std::string(R"("level": 50, "width": 60, "preset": "mri")"),
+          layer + R"(, "light": "scene", "shadow": 0.9)",
+          layer + R"(, "light": "scene", "shadow": 0.9, "clip_planes": [[0, 1, 0, 0.5]], "clip_upper": [0.6, 1, 1])",
+          std::string(R"("level": 50, "width": 60, "preset": "mri")"),
           std::string(R"("level": 40, "width": 80, "color_map": "inferno", "opacity": 2)")})
         for (const bool shortcuts : {true, false}) {
             const Differences d = differences(o, shortcuts);

@@ -9,7 +9,11 @@
 namespace spinel {
 
 struct RayLanes {
-    Vec8 origin, direction;  // world space
+    Vec8 origin, direction;
+
+    Vec8 at(Float8 t) const {
+        return {origin.x + t * direction.x, origin.y + t * direction.y, origin.z + t * direction.z};
+    }
 };
 
 struct SamplerLanes {

@@ -22,11 +22,11 @@ DvrLights::DvrLights(const kernels::SceneView& view, const kernels::DvrSettings&
         extinction_[i] = view.floats.at[settings.table_first + 4 * i + 3];
 }
 
-DvrLights::Lit DvrLights::at(const DvrVolume& volume, const Vec8& p, const Vec8& direction, const Vec8& along,
+DvrLights::Lit DvrLights::at(const DvrVolume& volume, const RayLanes& world, const RayLanes& index, Float8 t,
                              Int8 lanes) const {
     Lit lit = {splat(1.0f), splat(0.0f), {splat(0.0f), splat(0.0f), splat(0.0f)}};
     if (settings_.shaded) {
-        const Vec8 g = volume.gradient(p);
+        const Vec8 g = volume.gradient(index.at(t));
         const glm::mat3& m = world_to_grid_;  // rows times gradient: normals go by the transposed inverse
         const Float8 gx = g.x * m[0].x + g.y * m[0].y + g.z * m[0].z;
         const Float8 gy = g.x * m[1].x + g.y * m[1].y + g.z * m[1].z;
@@ -35,7 +35,7 @@ DvrLights::Lit DvrLights::at(const DvrVolume& volume, const Vec8& p, const Vec8&
         const Int8 sloped = square > 1e-30f;
         const Float8 scale = -1.0f / square_root(sloped ? square : splat(1.0f));
         const Vec8 n = {gx * scale, gy * scale, gz * scale};
-        const Vec8& d = direction;
+        const Vec8& d = world.direction;
         Float8 toward, half;
         if (settings_.headlight) {
             toward = half = absolute(n.x * d.x + n.y * d.y + n.z * d.z);
@@ -53,16 +53,35 @@ DvrLights::Lit DvrLights::at(const DvrVolume& volume, const Vec8& p, const Vec8&
         lit.normal = n;
     }
     if (settings_.shadow > 0) {
-        const Float8 shadow = this->shadow(volume, p, along, lanes);
+        const Float8 shadow = this->shadow(volume, world, index, t, lanes);
         lit.factor *= shadow;
         lit.highlight *= shadow;
     }
     return lit;
 }
 
+// dvr_light_way() of the kernel.
+Float8 DvrLights::light_way(const RayLanes& world, Float8 t) const {
+    Float8 way = splat(settings_.shadow_reach);
+    const Vec8 p = world.at(t);
+    for (kernels::uint i = 0; i < settings_.plane_count; ++i) {
+        const vec4 n = settings_.planes[i];
+        const Vec8& d = world.direction;
+        const Float8 rate =
+            settings_.headlight ? -(n.x * d.x + n.y * d.y + n.z * d.z) : splat(glm::dot(vec3(n), settings_.to_light));
+        const Int8 leaves = rate > 0.0f;
+        const Float8 end = (n.w - (n.x * p.x + n.y * p.y + n.z * p.z)) / (leaves ? rate : splat(1.0f));
+        way = leaves ? minimum(way, end) : way;
+    }
+    return way;
+}
+
 // dvr_shadow() of the kernel; steps that see nothing for sure are not taken.
-Float8 DvrLights::shadow(const DvrVolume& volume, const Vec8& p, const Vec8& along, Int8 lanes) const {
-    Vec8 l = {-along.x, -along.y, -along.z};
+Float8 DvrLights::shadow(const DvrVolume& volume, const RayLanes& world, const RayLanes& index, Float8 t,
+                         Int8 lanes) const {
+    const Vec8 p = index.at(t);
+    const Float8 way = light_way(world, t);
+    Vec8 l = {-index.direction.x, -index.direction.y, -index.direction.z};
     if (!settings_.headlight) {
         const vec3 to_light = world_to_grid_ * settings_.to_light;
         l = {splat(to_light.x), splat(to_light.y), splat(to_light.z)};
@@ -74,11 +93,10 @@ Float8 DvrLights::shadow(const DvrVolume& volume, const Vec8& p, const Vec8& alo
     const int last_entry = int(settings_.table_size) - 1;
     Float8 depth = splat(0.0f);
     for (int i = 1; i < int(kernels::MAX_DVR_STEPS);) {
-        const float t = float(i) * step;
-        if (t > settings_.shadow_reach) break;
-        const Vec8 q = {p.x + t * l.x, p.y + t * l.y, p.z + t * l.z};
-        lanes &= (depth <= 8.0f) & (q.x >= lower.x) & (q.x <= upper.x) & (q.y >= lower.y) & (q.y <= upper.y) &
-                 (q.z >= lower.z) & (q.z <= upper.z);
+        const float done = float(i) * step;
+        const Vec8 q = {p.x + done * l.x, p.y + done * l.y, p.z + done * l.z};
+        lanes &= (way >= done) & (depth <= 8.0f) & (q.x >= lower.x) & (q.x <= upper.x) & (q.y >= lower.y) &
+                 (q.y <= upper.y) & (q.z >= lower.z) & (q.z <= upper.z);
         if (!any(lanes)) break;
         const Int8 distance = volume.distance(q);
         if (!any(lanes & (distance == 0))) {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "devices/cpu/camera_lanes.h"
 #include "devices/cpu/dvr_volume.h"
 
 namespace spinel {
@@ -17,12 +18,12 @@ class DvrLights {
         Float8 highlight;  // added to it
         Vec8 normal;       // towards smaller values, world space; not unit where nothing slopes
     };
-    // p and `along` in index space, `direction` in world space; both of the rays. Lanes that are not asked for are
-    // anything.
-    Lit at(const DvrVolume& volume, const Vec8& p, const Vec8& direction, const Vec8& along, Int8 lanes) const;
+    // At t along the rays, which are given in world and in index space. Lanes that are not asked for are anything.
+    Lit at(const DvrVolume& volume, const RayLanes& world, const RayLanes& index, Float8 t, Int8 lanes) const;
 
   private:
-    Float8 shadow(const DvrVolume& volume, const Vec8& p, const Vec8& along, Int8 lanes) const;
+    Float8 light_way(const RayLanes& world, Float8 t) const;
+    Float8 shadow(const DvrVolume& volume, const RayLanes& world, const RayLanes& index, Float8 t, Int8 lanes) const;
 
     kernels::DvrSettings settings_;
     glm::mat3 world_to_grid_;

@@ -95,13 +95,12 @@ DvrPackets::DvrPackets(const CompiledScene& scene, const kernels::DvrSettings& s
 }
 
 // Light of the pieces of the rays that end at t.
-void DvrPackets::step(const Rays& rays, Float8 t, const Vec8& middle, const Float8 mean[4], Int8 lanes,
-                      Seen& seen) const {
+void DvrPackets::step(const Rays& rays, Float8 t, const Float8 mean[4], Int8 lanes, Seen& seen) const {
     const Float8 zero = splat(0.0f);
     const Float8 opacity = 1.0f - exp_negative(minimum(mean[3] * -settings_.step, zero));
     lanes &= opacity > kernels::DVR_FAINT;
     if (!any(lanes)) return;
-    const DvrLights::Lit lit = lights_.at(volume_, middle, rays.world, rays.direction, lanes);
+    const DvrLights::Lit lit = lights_.at(volume_, rays.world, rays.index, t - 0.5f * settings_.step, lanes);
     const Float8 after = lanes ? seen.left * (1.0f - opacity) : seen.left;
     const Int8 halved = lanes & (seen.left > 0.5f) & (after <= 0.5f);
     seen.normal.x = halved ? lit.normal.x : seen.normal.x;
@@ -142,14 +141,14 @@ void DvrPackets::composite(const Rays& rays, Seen& seen) const {
             known = false;
             continue;
         }
-        if (!known) pieces.begin_at(place(t - step));
+        if (!known) pieces.begin_at(place((float(k - 1) + rays.start) * step));
         known = true;
         const Float8 x0 = pieces.begin(), x1 = place(t);
         const Int8 lanes = alive & (rays.first < k);
         if (any(lanes & ((x0 > volume_.first_visible()) | (x1 > volume_.first_visible())))) {
             Float8 mean[4];
             pieces.mean_to(x1, mean);
-            this->step(rays, t, rays.at(t - 0.5f * step), mean, lanes, seen);
+            this->step(rays, t, mean, lanes, seen);
         } else {
             pieces.begin_at(x1);
         }
@@ -162,11 +161,11 @@ DvrPackets::Rays DvrPackets::begin(const RayLanes& rays, Float8 start, Float8 en
     const mat4x3& m = view_.media.at[settings_.medium].world_to_grid;
     const Vec8 &o = rays.origin, &d = rays.direction;
     Rays r;
-    r.world = d;
+    r.world = rays;
     r.start = start;
     const auto turned = [&](const Vec8& v, int axis) { return v.x * m[0][axis] + v.y * m[1][axis] + v.z * m[2][axis]; };
-    r.origin = {turned(o, 0) + m[3].x, turned(o, 1) + m[3].y, turned(o, 2) + m[3].z};
-    r.direction = {turned(d, 0), turned(d, 1), turned(d, 2)};
+    r.index.origin = {turned(o, 0) + m[3].x, turned(o, 1) + m[3].y, turned(o, 2) + m[3].z};
+    r.index.direction = {turned(d, 0), turned(d, 1), turned(d, 2)};
     r.span_begin = splat(0.0f);
     r.span_end = ends;
     const auto between = [&](Float8 from, Float8 rate, float lower, float upper) {
@@ -178,9 +177,9 @@ DvrPackets::Rays DvrPackets::begin(const RayLanes& rays, Float8 start, Float8 en
                            : minimum(r.span_end, maximum(t0, t1));
     };
     const vec3 lower = settings_.clip_lower, upper = settings_.clip_upper;
-    between(r.origin.x, r.direction.x, lower.x, upper.x);
-    between(r.origin.y, r.direction.y, lower.y, upper.y);
-    between(r.origin.z, r.direction.z, lower.z, upper.z);
+    between(r.index.origin.x, r.index.direction.x, lower.x, upper.x);
+    between(r.index.origin.y, r.index.direction.y, lower.y, upper.y);
+    between(r.index.origin.z, r.index.direction.z, lower.z, upper.z);
     for (kernels::uint i = 0; i < settings_.plane_count; ++i) {
         const vec4 n = settings_.planes[i];
         const Float8 height = o.x * n.x + o.y * n.y + o.z * n.z - n.w;  // > 0: cut away
@@ -198,7 +197,8 @@ DvrPackets::Rays DvrPackets::begin(const RayLanes& rays, Float8 start, Float8 en
     r.last = empty ? splat(-1) : to_int(floor8(bounded(r.span_end * per_step - start)));
     r.begin = least(empty ? splat(1 << 30) : r.first);
     r.end = -least(-r.last);
-    const Float8 fastest = maximum(absolute(r.direction.x), maximum(absolute(r.direction.y), absolute(r.direction.z)));
+    const Float8 fastest =
+        maximum(absolute(r.index.direction.x), maximum(absolute(r.index.direction.y), absolute(r.index.direction.z)));
     r.per_index = 1.0f / maximum(fastest * settings_.step, splat(1e-20f));
     return r;
 }

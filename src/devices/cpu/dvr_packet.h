@@ -37,7 +37,7 @@ class DvrPackets {
     struct Seen;
     Rays begin(const RayLanes& rays, Float8 start, Float8 ends) const;
     void composite(const Rays& rays, Seen& seen) const;
-    void step(const Rays& rays, Float8 t, const Vec8& middle, const Float8 mean[4], Int8 lanes, Seen& seen) const;
+    void step(const Rays& rays, Float8 t, const Float8 mean[4], Int8 lanes, Seen& seen) const;
     void isosurface(const Rays& rays, Seen& seen) const;
     void projection(const Rays& rays, Seen& seen) const;
 

@@ -26,11 +26,13 @@ Int8 steps_within(const Vec8& p, const Vec8& direction, int edge, float step) {
 }  // namespace
 
 // dvr_projection() of the kernel. A brick cannot raise the greatest value if nothing in it is greater, and one of a
-// single value is summed at once.
+// single value is summed at once. Since how far rays leap depends on their company, what they come to must not: values
+// are held to the range of their brick, and sums are of whole 256ths of a unit, which doubles add without rounding.
 void DvrPackets::projection(const Rays& rays, Seen& seen) const {
     const bool greatest = settings_.mode == kernels::DVR_MAXIMUM;
     const float step = settings_.step;
-    Float8 result = splat(greatest ? -1.0f : 0.0f);
+    Float8 result = splat(-1.0f);
+    Double8 sum = to_double(splat(0));
     int k = rays.begin;
     for (int bound = 0; k <= rays.end; ++bound) {
         const Int8 alive = (rays.first <= k) & (rays.last >= k);
@@ -42,27 +44,29 @@ void DvrPackets::projection(const Rays& rays, Seen& seen) const {
         const Float8 t = (float(k) + rays.start) * step;
         const Vec8 p = rays.at(t);
         const auto settled = [&](const DvrVolume::Range& r) { return greatest ? r.most <= result : r.least == r.most; };
-        bool leapt = false;
-        for (const int edge : {DvrVolume::block, DvrVolume::brick}) {
-            const DvrVolume::Range range = edge == DvrVolume::block ? volume_.block_range(p) : volume_.brick_range(p);
-            if (any(alive & ~settled(range))) continue;
-            const int leap = dvr_leap(alive, steps_within(p, rays.direction, edge, step), rays.first, waiting, k);
+        const DvrVolume::Range near = volume_.brick_range(p), wide = volume_.block_range(p);
+        if (!any(alive & ~settled(near))) {
+            const int edge = any(alive & ~settled(wide)) ? DvrVolume::brick : DvrVolume::block;
+            const int leap = dvr_leap(alive, steps_within(p, rays.index.direction, edge, step), rays.first, waiting, k);
             const Int8 taken = minimum(splat(leap), rays.last - k + 1);
-            if (!greatest) result += alive ? range.most * to_float(taken) : splat(0.0f);
+            if (!greatest) sum += to_double(alive ? to_int(near.most) : splat(0)) * to_double(taken) * 256.0;
             k += leap;
-            leapt = true;
-            break;
+            continue;
         }
-        if (leapt) continue;
-        const Float8 value = volume_.value(p);
-        const Int8 raised = alive & (value > result);
-        if (!greatest) result += alive ? value : splat(0.0f);
-        else result = raised ? value : result;
-        seen.depth = raised ? t : seen.depth;
+        const Float8 value = minimum(maximum(volume_.value(p), near.least), near.most);
+        if (greatest) {
+            const Int8 raised = alive & (value > result);
+            result = raised ? value : result;
+            seen.depth = raised ? t : seen.depth;
+        } else {
+            sum += to_double(alive ? to_int(value * 256.0f + 0.5f) : splat(0));
+        }
         ++k;
     }
     const Int8 looked = rays.first <= rays.last;
-    if (!greatest) result /= to_float(maximum(rays.last - rays.first + 1, splat(1)));
+    if (!greatest)
+        result =
+            __builtin_convertvector(sum / (256.0 * to_double(maximum(rays.last - rays.first + 1, splat(1)))), Float8);
     const Float8 place = volume_.place(result);
     for (int i = 0; i < width; ++i) {
         if (!looked[i]) continue;
@@ -117,7 +121,7 @@ void DvrPackets::isosurface(const Rays& rays, Seen& seen) const {
             above = now ? t : above;
         }
     if (!any(found)) return;
-    const DvrLights::Lit lit = lights_.at(volume_, rays.at(above), rays.world, rays.direction, found);
+    const DvrLights::Lit lit = lights_.at(volume_, rays.world, rays.index, above, found);
     const vec3 color = settings_.iso_color;
     seen.red = found ? color.x * lit.factor + lit.highlight : seen.red;
     seen.green = found ? color.y * lit.factor + lit.highlight : seen.green;

@@ -8,17 +8,14 @@
 namespace spinel {
 
 struct DvrPackets::Rays {
-    Vec8 origin, direction;  // index space
-    Vec8 world;              // direction in world space
+    RayLanes world, index;  // in their two spaces
     Float8 start;
     Float8 span_begin, span_end;  // in units of the ray
     Int8 first, last;             // steps; first > last: none
     Float8 per_index;             // steps that go one unit of index space along the axis that they go farthest
     int begin, end;               // least and greatest of all
 
-    Vec8 at(Float8 t) const {
-        return {origin.x + t * direction.x, origin.y + t * direction.y, origin.z + t * direction.z};
-    }
+    Vec8 at(Float8 t) const { return index.at(t); }
 };
 
 struct DvrPackets::Seen {

@@ -13,11 +13,14 @@ namespace spinel {
 using Float8 = float __attribute__((vector_size(32)));
 using Int8 = std::int32_t __attribute__((vector_size(32)));
 using Uint8 = std::uint32_t __attribute__((vector_size(32)));
+using Double8 = double __attribute__((vector_size(64)));
 
 inline Float8 splat(float x) { return Float8{x, x, x, x, x, x, x, x}; }
 inline Int8 splat(std::int32_t x) { return Int8{x, x, x, x, x, x, x, x}; }
 inline Float8 to_float(Int8 x) { return __builtin_convertvector(x, Float8); }
 inline Int8 to_int(Float8 x) { return __builtin_convertvector(x, Int8); }  // towards zero
+
+inline Double8 to_double(Int8 x) { return __builtin_convertvector(x, Double8); }
 
 inline Float8 minimum(Float8 a, Float8 b) { return a < b ? a : b; }
 inline Float8 maximum(Float8 a, Float8 b) { return a > b ? a : b; }
