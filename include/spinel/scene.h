@@ -314,6 +314,7 @@ struct IntegratorSettings {
     int max_bounces =
         -1;  // scattering events of a path; 0: only light that is seen directly; −1: Russian roulette alone ends it
     Transmittance transmittance = Transmittance::ratio;
+    bool equiangular = true;  // places along rays through media near to points and spots are sampled, too
     // Of the previews alone:
     float ao_radius = 0;    // world units: reach of ambient occlusion by rays; 0: a twentieth of the scene's diagonal
     float ao_strength = 1;  // 0 … 1

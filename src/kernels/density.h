@@ -22,7 +22,7 @@ FN float scaled_density(const_in(Medium) m, float value) {
 // Density at a position in the grid's space, ≥ 0; 0 outside of the grid.
 FN float medium_density_in_grid(const_in(SceneView) scene, const_in(Medium) m, const_in(DensityGrid) grid, vec3 index) {
     if (!grid_contains(grid, index)) return 0.0f;
-    float d = scaled_density(m, grid_density(scene, grid, index));
+    float d = scaled_density(m, grid_value_within(scene, grid, index, 0u));
     if (d > 0.0f && m.noise != NOISE_NONE) d *= erosion_factor(m, index / vec3(grid.size));
     return d;
 }

@@ -139,6 +139,7 @@ FN MediumEvent sample_grey_medium(const_in(SceneView) scene, uint id, vec3 origi
             event.scattered = true;
             event.t = walk.t;
             event.medium = id;
+            light /= real;
             break;
         }
         if (transmittance != TRANSMITTANCE_DELTA) light *= (bound - control * extinction) / left;

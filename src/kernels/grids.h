@@ -7,8 +7,9 @@
 KERNELS_BEGIN
 
 FN bool grid_contains(const_in(DensityGrid) grid, vec3 p) {
-    return p.x >= 0.0f && p.y >= 0.0f && p.z >= 0.0f && p.x < float(grid.size.x) && p.y < float(grid.size.y) &&
-           p.z < float(grid.size.z);
+    float least = min(min(p.x, p.y), p.z);
+    float over = max(max(p.x - float(grid.size.x), p.y - float(grid.size.y)), p.z - float(grid.size.z));
+    return least >= 0.0f && over < 0.0f;
 }
 
 // Sample `i`, 0 … 511, of the brick whose channel begins at word `first`.
@@ -32,95 +33,98 @@ FN float grid_sample(const_in(SceneView) scene, const_in(DensityGrid) grid, ivec
     return brick_sample(scene, grid.storage, first, brick_offset(i));
 }
 
-// Where the eight samples around a place stand: in the brick of the first one's entry in the table, and how to get to
-// the next one along each axis. Unsigned steps may lead back: they wrap around.
-struct GridCorners {
-    uint entry;  // into SceneView::words
-    uvec3 next;  // entries to the next brick, 0 where the second sample stands in the same one
-    uint at;     // the first sample's number in its brick
-    uvec3 step;  // to the second one's
-    vec3 weight;
-};
-
-// Clamped at the faces of the box, so that a full grid is a full box. p lies in the box.
-FN GridCorners grid_corners(const_in(DensityGrid) grid, vec3 p) {
-    // Truncation of what is positive is its floor, and far cheaper.
-    int bx = int(p.x + 0.5f) - 1;
-    int by = int(p.y + 0.5f) - 1;
-    int bz = int(p.z + 0.5f) - 1;
-    int x0 = max(bx, 0);
-    int y0 = max(by, 0);
-    int z0 = max(bz, 0);
-    int x1 = min(bx + 1, grid.size.x - 1);
-    int y1 = min(by + 1, grid.size.y - 1);
-    int z1 = min(bz + 1, grid.size.z - 1);
-    uint row = uint(grid.brick_counts.x);
-    uint layer = row * uint(grid.brick_counts.y);
-    GridCorners c;
-    c.entry = grid.table_first + uint(x0 >> 3) + row * uint(y0 >> 3) + layer * uint(z0 >> 3);
-    c.next = uvec3((x0 ^ x1) < 8 ? 0u : 1u, (y0 ^ y1) < 8 ? 0u : row, (z0 ^ z1) < 8 ? 0u : layer);
-    c.at = uint(x0 & 7) + 8u * uint(y0 & 7) + 64u * uint(z0 & 7);
-    c.step =
-        uvec3(uint(x1 & 7) - uint(x0 & 7), 8u * (uint(y1 & 7) - uint(y0 & 7)), 64u * (uint(z1 & 7) - uint(z0 & 7)));
-    c.weight = vec3((p.x - 0.5f) - float(bx), (p.y - 0.5f) - float(by), (p.z - 0.5f) - float(bz));
-    return c;
-}
-
+// Along z first: what is next to each other in memory stays together, for compilers that make vectors of it.
 FN float trilinear_mix(float v000, float v100, float v010, float v110, float v001, float v101, float v011, float v111,
                        vec3 w) {
-    float c00 = v000 + w.x * (v100 - v000);
-    float c10 = v010 + w.x * (v110 - v010);
-    float c01 = v001 + w.x * (v101 - v001);
-    float c11 = v011 + w.x * (v111 - v011);
-    float c0 = c00 + w.y * (c10 - c00);
-    float c1 = c01 + w.y * (c11 - c01);
-    return c0 + w.z * (c1 - c0);
+    vec4 low = vec4(v000, v100, v010, v110);
+    vec4 high = vec4(v001, v101, v011, v111);
+    vec4 c = low + w.z * (high - low);
+    vec2 near = vec2(c.x, c.y);
+    vec2 far = vec2(c.z, c.w);
+    vec2 d = near + w.y * (far - near);
+    return d.x + w.x * (d.y - d.x);
 }
 
-// Floats, the common case, in the fewest steps: measured, twice as fast as by way of brick_sample().
-FN float trilinear_floats(const_in(SceneView) scene, const_in(GridCorners) c, uint shift) {
-    uint first = c.at + shift;
-    uint b000 = scene.words.at[c.entry] + first;
-    if ((c.next.x | c.next.y | c.next.z) == 0u) {
-        uint b001 = b000 + c.step.z;
-        return trilinear_mix(bits_float(scene.words.at[b000]), bits_float(scene.words.at[b000 + c.step.x]),
-                             bits_float(scene.words.at[b000 + c.step.y]),
-                             bits_float(scene.words.at[b000 + c.step.x + c.step.y]), bits_float(scene.words.at[b001]),
-                             bits_float(scene.words.at[b001 + c.step.x]), bits_float(scene.words.at[b001 + c.step.y]),
-                             bits_float(scene.words.at[b001 + c.step.x + c.step.y]), c.weight);
-    }
-    uint ez = c.entry + c.next.z;
-    uint b100 = scene.words.at[c.entry + c.next.x] + first + c.step.x;
-    uint b010 = scene.words.at[c.entry + c.next.y] + first + c.step.y;
-    uint b110 = scene.words.at[c.entry + c.next.x + c.next.y] + first + c.step.x + c.step.y;
-    uint b001 = scene.words.at[ez] + first + c.step.z;
-    uint b101 = scene.words.at[ez + c.next.x] + first + c.step.x + c.step.z;
-    uint b011 = scene.words.at[ez + c.next.y] + first + c.step.y + c.step.z;
-    uint b111 = scene.words.at[ez + c.next.x + c.next.y] + first + c.step.x + c.step.y + c.step.z;
-    return trilinear_mix(bits_float(scene.words.at[b000]), bits_float(scene.words.at[b100]),
-                         bits_float(scene.words.at[b010]), bits_float(scene.words.at[b110]),
-                         bits_float(scene.words.at[b001]), bits_float(scene.words.at[b101]),
-                         bits_float(scene.words.at[b011]), bits_float(scene.words.at[b111]), c.weight);
+// The sample before a place in the box on each axis, clamped at its lower faces, so that a full grid is a full box.
+FN ivec3 sample_before(vec3 p) {
+    // Truncation of what is not negative is its floor, and far cheaper.
+    return ivec3(int(max(p.x - 0.5f, 0.0f)), int(max(p.y - 0.5f, 0.0f)), int(max(p.z - 0.5f, 0.0f)));
+}
+FN vec3 sample_weights(vec3 p, ivec3 i) {
+    return vec3(max(p.x - 0.5f, 0.0f) - float(i.x), max(p.y - 0.5f, 0.0f) - float(i.y),
+                max(p.z - 0.5f, 0.0f) - float(i.z));
 }
 
-FN float grid_trilinear(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
-    GridCorners c = grid_corners(grid, p);
-    uint shift = channel * grid.channel_words;
-    if (grid.storage == GRID_FLOAT) return trilinear_floats(scene, c, shift);
+// From the brick of the sample i to that of i + 1 on each axis, in entries of the table; and from its place in its
+// brick to the other's. Behind the upper faces is the last sample again. Unsigned steps may lead back: they wrap
+// around.
+struct NextSample {
+    uvec3 entries;
+    uvec3 step;
+};
+
+FN NextSample next_sample(const_in(DensityGrid) grid, ivec3 i) {
+    uint row = uint(grid.brick_counts.x);
+    ivec3 n = min(i + ivec3(1), grid.size - ivec3(1));
+    ivec3 e = (n >> 3) - (i >> 3);
+    ivec3 s = (n & 7) - (i & 7);
+    return NextSample(uvec3(uint(e.x), uint(e.y) * row, uint(e.z) * row * uint(grid.brick_counts.y)),
+                      uvec3(uint(s.x), 8u * uint(s.y), 64u * uint(s.z)));
+}
+
+// Of samples that are no floats.
+FN_APART float trilinear_coded(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, ivec3 i, uint channel) {
+    NextSample next = next_sample(grid, i);
+    uint entry = grid.table_first + brick_entry(grid, i);
+    uint at = brick_offset(i);
     float v[8];
-    for (uint i = 0u; i < 8u; ++i) {
-        uvec3 far = uvec3(i & 1u, (i >> 1u) & 1u, i >> 2u);
-        uvec3 next = far * c.next;
-        uvec3 step = far * c.step;
-        uint first = scene.words.at[c.entry + next.x + next.y + next.z] + shift;
-        v[i] = brick_sample(scene, grid.storage, first, c.at + step.x + step.y + step.z);
+    for (uint k = 0u; k < 8u; ++k) {
+        uvec3 far = uvec3(k & 1u, (k >> 1u) & 1u, k >> 2u);
+        uvec3 over = far * next.entries;
+        uvec3 step = far * next.step;
+        uint first = scene.words.at[entry + over.x + over.y + over.z] + channel * grid.channel_words;
+        v[k] = brick_sample(scene, grid.storage, first, at + step.x + step.y + step.z);
     }
-    return trilinear_mix(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], c.weight);
+    return trilinear_mix(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], sample_weights(p, i));
+}
+
+// Of floats in several bricks.
+FN_APART float trilinear_across(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, ivec3 i, uint channel) {
+    NextSample next = next_sample(grid, i);
+    uint e = grid.table_first + brick_entry(grid, i);
+    uint ez = e + next.entries.z;
+    uint b000 = brick_offset(i) + channel * grid.channel_words;
+    uint b100 = b000 + next.step.x;
+    uint b010 = b000 + next.step.y;
+    uint b110 = b010 + next.step.x;
+    return trilinear_mix(
+        bits_float(scene.words.at[scene.words.at[e] + b000]),
+        bits_float(scene.words.at[scene.words.at[e + next.entries.x] + b100]),
+        bits_float(scene.words.at[scene.words.at[e + next.entries.y] + b010]),
+        bits_float(scene.words.at[scene.words.at[e + next.entries.x + next.entries.y] + b110]),
+        bits_float(scene.words.at[scene.words.at[ez] + b000 + next.step.z]),
+        bits_float(scene.words.at[scene.words.at[ez + next.entries.x] + b100 + next.step.z]),
+        bits_float(scene.words.at[scene.words.at[ez + next.entries.y] + b010 + next.step.z]),
+        bits_float(scene.words.at[scene.words.at[ez + next.entries.x + next.entries.y] + b110 + next.step.z]),
+        sample_weights(p, i));
+}
+
+// Floats in one brick, which is most look-ups, in the fewest steps; bricks at the upper faces repeat the last sample.
+FN float grid_trilinear(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
+    ivec3 i = sample_before(p);
+    if (grid.storage != GRID_FLOAT) return trilinear_coded(scene, grid, p, i, channel);
+    if ((((i.x ^ (i.x + 1)) | (i.y ^ (i.y + 1)) | (i.z ^ (i.z + 1))) & 8) != 0)
+        return trilinear_across(scene, grid, p, i, channel);
+    uint b = scene.words.at[grid.table_first + brick_entry(grid, i)] + channel * grid.channel_words + brick_offset(i);
+    return trilinear_mix(
+        bits_float(scene.words.at[b]), bits_float(scene.words.at[b + 1u]), bits_float(scene.words.at[b + 8u]),
+        bits_float(scene.words.at[b + 9u]), bits_float(scene.words.at[b + 64u]), bits_float(scene.words.at[b + 65u]),
+        bits_float(scene.words.at[b + 72u]), bits_float(scene.words.at[b + 73u]), sample_weights(p, i));
 }
 
 // Cubic B-spline over 4³ samples: twice continuously differentiable, a convex combination of what is around, so bounds
 // of the samples are bounds of it. It smooths: at a sample it gives that sample's neighbourhood, not the sample.
-FN float grid_tricubic(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
+FN_APART float grid_tricubic(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
     vec3 q = p - 0.5f;
     vec3 base = floor(q);
     vec3 f = q - base;
@@ -146,12 +150,16 @@ FN float grid_tricubic(const_in(SceneView) scene, const_in(DensityGrid) grid, ve
     return sum;
 }
 
-// A value at p in index space, where sample i sits at i + ½; outside it is the background.
-FN float grid_value(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
-    if (!grid_contains(grid, p)) return grid.background;
+// A value at p in index space, where sample i sits at i + ½, in the box.
+FN float grid_value_within(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
     if (grid.filter_kind == FILTER_TRILINEAR) return grid_trilinear(scene, grid, p, channel);
     if (grid.filter_kind == FILTER_NEAREST) return grid_sample(scene, grid, ivec3(p), channel);
     return grid_tricubic(scene, grid, p, channel);
+}
+
+// Anywhere: outside of the box is the background.
+FN float grid_value(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
+    return grid_contains(grid, p) ? grid_value_within(scene, grid, p, channel) : grid.background;
 }
 
 // The only channel, in the data's own units.

@@ -164,12 +164,24 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
                          point, light.direction, error, material_opacity(scene, light.material, uv, face));
 }
 
-// u_light and u_keep are independent: what u_light leaves below its index has too few bits where lights are many.
+FN bool is_point_light(const_in(Light) light) { return light.kind == LIGHT_POINT || light.kind == LIGHT_SPOT; }
+
+// They stand behind the infinite ones.
+FN bool has_point_lights(const_in(SceneView) scene) {
+    return scene.infinite_light_count < scene.light_count &&
+           is_point_light(scene.lights.at[scene.infinite_light_count]);
+}
+
+// One of at least one light. u_light and u_keep are independent: what u_light leaves below its index has too few bits
+// where lights are many.
+FN uint pick_light(const_in(SceneView) scene, float u_light, float u_keep) {
+    uint index = min(uint(u_light * float(scene.light_count)), scene.light_count - 1u);
+    return u_keep >= scene.light_table.at[index].threshold ? scene.light_table.at[index].alias : index;
+}
+
 FN LightSample sample_light(const_in(SceneView) scene, vec3 from, float u_light, float u_keep, vec2 u) {
     if (scene.light_count == 0u) return no_light();
-    uint index = min(uint(u_light * float(scene.light_count)), scene.light_count - 1u);
-    if (u_keep >= scene.light_table.at[index].threshold) index = scene.light_table.at[index].alias;
-    return sample_one_light(scene, index, from, u);
+    return sample_one_light(scene, pick_light(scene, u_light, u_keep), from, u);
 }
 
 // The light of an instance's emitting primitive; NONE if next-event estimation never chooses it. Lights of an instance

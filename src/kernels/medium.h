@@ -240,7 +240,8 @@ FN vec3 homogeneous_emission(const_in(SceneView) scene, const_in(ActiveMedia) me
 }
 
 // Follows the segment (0, t_max) of a ray with unit direction: the first real collision, or passage. Weights are
-// updated for either; a collision multiplies by σs, so that absorption never ends a path by chance.
+// updated for either; a collision multiplies by σs, so that absorption never ends a path by chance. r_light then has
+// the density of attenuate() as far as the end or the collision.
 FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) media, vec3 origin, vec3 direction,
                             float t_max, float u, uint transmittance, inout(SpectralWeights) w, inout(Rng) rng) {
     if (media.count == 1u && is_grey(scene.media.at[media.ids[0]]) && is_black(media.absorption))
@@ -287,6 +288,7 @@ FN MediumEvent sample_media(const_in(SceneView) scene, const_in(ActiveMedia) med
             MediumPick pick = pick_scattering_medium(scene, media, position, point.scattering, rng_1d(rng));
             w.throughput *= passed * pick.scattering / p;
             w.r_path *= passed * extinction / p;
+            w.r_light *= exp(min((walk.control + bound - walk.majorant) * step, vec3(MOST_CONTROLLED))) / p;
             event.scattered = true;
             event.t = t;
             event.medium = pick.medium;

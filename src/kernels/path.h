@@ -14,6 +14,7 @@
 #include "boundary.h"
 #include "camera.h"
 #include "device.h"
+#include "equiangular.h"
 #include "locate.h"
 #include "medium.h"
 #include "path_settings.h"
@@ -22,10 +23,17 @@
 #include "surface.h"
 KERNELS_BEGIN
 
-const uint MAX_PATH_SEGMENTS = 65536u;   // bounces and crossed interfaces of one path: a safety bound, counted
+// Of one path, a safety bound, counted: collisions in media, and surfaces as so many of them. A white cloud of an
+// optical depth of a thousand scatters light some 10⁵ times and must keep it; between perfect mirrors it may end
+// sooner.
+const uint MAX_PATH_SEGMENTS = 1u << 22u;
+const uint SURFACE_SEGMENTS = 64u;
 const uint MAX_SHADOW_SEGMENTS = 4096u;  // interfaces crossed by one shadow ray
 
 const int WELL_PLACED_BOUNCES = 4;  // as many collisions of a path are placed by the sampler, not by chance
+
+// Of the random numbers of path_beside(): beyond those of all connections.
+const uint SALT_BESIDE = 0x80000000u;
 
 const uint PATH_ALIVE = 1u;
 const uint PATH_SPECULAR = 2u;    // the last scattering was a delta: light sampling could not have made it
@@ -97,8 +105,8 @@ FN Hit path_extend(const_in(SceneView) scene, const_in(PathState) state) {
 FN void path_end(inout(PathState) state) { state.flags &= ~PATH_ALIVE; }
 
 // Indirect light of one path is limited where the settings say so: a bias that is asked for.
-FN vec3 clamped(const_in(PathSettings) settings, const_in(PathState) state, vec3 radiance) {
-    if (settings.clamp <= 0.0f || state.bounces < 2) return radiance;
+FN vec3 clamped(const_in(PathSettings) settings, int bounces, vec3 radiance) {
+    if (settings.clamp <= 0.0f || bounces < 2) return radiance;
     float most = max_component(radiance);
     return most > settings.clamp ? radiance * (settings.clamp / most) : radiance;
 }
@@ -109,7 +117,8 @@ FN void gather(const_in(PathSettings) settings, inout(PathState) state, vec3 rad
     vec3 densities = state.weights.r_path;
     if ((state.flags & PATH_SPECULAR) == 0u) densities += state.weights.r_light * pdf;
     float density = average(densities);
-    if (density > 0.0f) state.radiance += clamped(settings, state, state.weights.throughput * radiance / density);
+    if (density > 0.0f)
+        state.radiance += clamped(settings, state.bounces, state.weights.throughput * radiance / density);
 }
 
 FN void gather_infinite(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state) {
@@ -171,8 +180,9 @@ FN bool next_bounce(const_in(PathSettings) settings, inout(PathState) state) {
     return true;
 }
 
+// `beside`: relative density with which path_beside() would have come as far, but for the choice of a place.
 FN Connection scatter_in_medium(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
-                                const_in(MediumEvent) event) {
+                                const_in(MediumEvent) event, float t_max, vec3 beside) {
     Connection c = no_connection(state);
     if (!next_bounce(settings, state)) return c;
     state.flags |= PATH_FIRST_SEEN;  // the first thing seen is no surface
@@ -186,6 +196,10 @@ FN Connection scatter_in_medium(const_in(SceneView) scene, const_in(PathSettings
     if (light.pdf > 0.0f) {
         float phase = phase_eval(g, dot(d, light.direction));
         c = connection_to(state, light, p, vec3(phase), phase);
+        if (settings.equiangular != 0u && light.delta && !light.infinite)
+            c.r_light +=
+                beside *
+                (light.pdf * equiangular_pdf(equiangular_begin(state.ray.origin, d, t_max, light.point), event.t));
     }
     PhaseSample next = phase_sample(g, d, u_phase);
     state.weights.r_light = state.weights.r_path / next.pdf;
@@ -230,16 +244,20 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         ActiveMedia media = active_media(scene, state.inside);
         if (media.count > 0u || !is_black(media.absorption)) {
             float u = state.bounces < WELL_PLACED_BOUNCES ? sampler_1d(state.numbers) : rng_1d(state.rng);
-            MediumEvent event =
-                sample_media(scene, media, state.ray.origin, state.ray.direction, is_hit(hit) ? hit.t : INFINITE, u,
-                             settings.transmittance, state.weights, state.rng);
+            vec3 r_path = state.weights.r_path;
+            vec3 r_light = state.weights.r_light;
+            state.weights.r_light = vec3(1.0f);
+            MediumEvent event = sample_media(scene, media, state.ray.origin, state.ray.direction, hit.t, u,
+                                             settings.transmittance, state.weights, state.rng);
             state.radiance += event.emitted;
             if (event.bound_reached) state.flags |= PATH_BOUND_REACHED;
             if (is_black(state.weights.throughput)) {
                 path_end(state);
                 return c;
             }
-            if (event.scattered) return scatter_in_medium(scene, settings, state, event);
+            if (event.scattered)
+                return scatter_in_medium(scene, settings, state, event, hit.t, r_path * state.weights.r_light);
+            state.weights.r_light *= r_light;
         }
     }
     if (!is_hit(hit)) {
@@ -247,6 +265,7 @@ FN Connection path_shade(const_in(SceneView) scene, const_in(PathSettings) setti
         path_end(state);
         return c;
     }
+    state.segments += SURFACE_SEGMENTS - 1u;
     Surface s = surface_at(scene, state.ray, hit);
     float opacity = surface_opacity(scene, s);
     bool stopped = false;  // by a surface of opacity < 1
@@ -398,18 +417,54 @@ FN vec3 path_connect(const_in(SceneView) scene, const_in(PathSettings) settings,
     return density > 0.0f ? c.value * w.throughput / density : vec3(0.0f);
 }
 
+// Light from points that the media up to `hit` scatter into the ray, looked for where the light is strong: a second way
+// to what path_shade() finds by a collision and light sampling, which counts it in (scatter_in_medium).
+FN void path_beside(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
+                    const_in(Hit) hit) {
+    if (settings.equiangular == 0u || state.inside.count == 0u || !has_point_lights(scene)) return;
+    if (settings.max_bounces >= 0 && state.bounces >= settings.max_bounces) return;
+    ActiveMedia media = active_media(scene, state.inside);
+    if (media.count == 0u) return;
+    uint salt = SALT_BESIDE + 2u * state.segments;
+    Rng rng = make_rng(state.numbers, salt);
+    vec2 u = state.bounces < WELL_PLACED_BOUNCES ? sampler_2d(state.numbers) : vec2(rng_1d(rng), rng_1d(rng));
+    uint index = pick_light(scene, u.x, rng_1d(rng));
+    if (!is_point_light(scene.lights.at[index])) return;
+    vec3 o = state.ray.origin;
+    vec3 d = state.ray.direction;
+    Equiangular places = equiangular_begin(o, d, hit.t, scene.lights.at[index].position);
+    float t = equiangular_sample(places, u.y);
+    if (!(t > 0.0f && t < hit.t)) return;
+    vec3 p = o + t * d;
+    LightSample light = sample_one_light(scene, index, p, vec2(0.0f));
+    if (!(light.pdf > 0.0f)) return;
+    MediumPoint point = media_at(scene, media, p);
+    if (is_black(point.scattering)) return;
+    SpectralWeights w = SpectralWeights(vec3(1.0f), vec3(1.0f), vec3(1.0f), state.weights.hero);
+    if (attenuate(scene, media, o, d, t, settings.transmittance, w, rng)) state.flags |= PATH_BOUND_REACHED;
+    if (is_black(w.throughput)) return;
+    MediumPick pick = pick_scattering_medium(scene, media, p, point.scattering, rng_1d(rng));
+    float phase = phase_eval(scene.media.at[pick.medium].g, dot(d, light.direction));
+    Connection c = connection_to(state, light, p, phase * w.throughput * pick.scattering, 0.0f);
+    c.r_light *= w.r_light * equiangular_pdf(places, t) + w.r_path * (point.scattering + point.absorption);
+    c.salt = salt + 1u;
+    if (c.valid && !trace_occluded(scene, c.ray))
+        state.radiance += clamped(settings, state.bounces + 1, path_connect(scene, settings, state, c));
+}
+
 // Shades the hit at the end of a path's ray, and connects.
 FN void path_step(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state,
                   const_in(Hit) hit) {
     Connection c = path_shade(scene, settings, state, hit);
     if (c.valid && !trace_occluded(scene, c.ray))
-        state.radiance += clamped(settings, state, path_connect(scene, settings, state, c));
+        state.radiance += clamped(settings, state.bounces, path_connect(scene, settings, state, c));
 }
 
 // Follows a path from the hit at the end of its ray to its own end.
 FN void path_follow(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, Hit hit) {
     for (uint i = 0u; i <= MAX_PATH_SEGMENTS && (state.flags & PATH_ALIVE) != 0u; ++i) {
         if (i > 0u) hit = path_extend(scene, state);
+        path_beside(scene, settings, state, hit);
         path_step(scene, settings, state, hit);
     }
 }

@@ -76,6 +76,7 @@ struct PathSettings {
     DvrSettings dvr;
     uint transmittance;  // TRANSMITTANCE_…
     GaugeSettings gauge;
+    uint equiangular;  // 1: media look for the light of points where it is strong, too (equiangular.h)
 };
 
 KERNELS_END

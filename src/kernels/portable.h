@@ -7,6 +7,7 @@
 //
 //   FN               marks a function: `inline` in C++, nothing in GLSL
 //   FN_ANEW          the same, compiled anew wherever it is called: what is constant there costs nothing
+//   FN_APART         never so: what is rare beside a common case that should stay small
 //   inout(T)         a parameter that is read and written; GLSL copies in and out, so never alias two
 //   const_in(T)      a large read-only parameter: a reference in C++, `const in` in GLSL
 //   RECORD(T)        a local name for a record of a buffer: a reference in C++, a copy in GLSL; never written to
@@ -37,6 +38,7 @@
 
 #define FN inline
 #define FN_ANEW inline __attribute__((always_inline))
+#define FN_APART inline __attribute__((noinline))
 #define inout(T) T&
 #define const_in(T) const T&
 #define RECORD(T) const T&
@@ -99,6 +101,7 @@ inline float half_float(uint x) {
 
 #define FN
 #define FN_ANEW
+#define FN_APART
 #define inout(T) inout T
 #define const_in(T) const in T
 #define RECORD(T) T

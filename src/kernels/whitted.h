@@ -33,6 +33,7 @@ FN PixelSample whitted(const_in(SceneView) scene, const_in(PathSettings) setting
         --count;
         PathState from = pending[count];
         if (i > 0u) hit = path_extend(scene, from);
+        path_beside(scene, tree, from, hit);
         bool may_fork = whitted_carried(from) >= WHITTED_FORKS && count + 2u <= WHITTED_PENDING;
         PathState one = from;
         if (may_fork) one.flags |= PATH_TAKES_MIRROR;

@@ -129,7 +129,8 @@ Result<RenderResult> render(Device& device, const CompiledScene& scene, const Re
                      march_settings(scene),
                      scene.dvr,
                      std::uint32_t(scene.integrator.transmittance),
-                     gauge_settings(scene)};
+                     gauge_settings(scene),
+                     scene.integrator.equiangular};
     pass.integrator = (*integrator)->number;
     pass.finished_tiles = &finished;
 

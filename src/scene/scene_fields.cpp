@@ -112,6 +112,9 @@ const Record& integrator_record() {
                 "`path`: how shadow rays through media on grids estimate what is left of the light. All are unbiased: "
                 "`ratio` multiplies what every collision leaves; `residual` does so about the least density of a "
                 "neighbourhood, which counts in closed form; `delta` takes the first real collision as a shadow."),
+            field("equiangular", &IntegratorSettings::equiangular,
+                  "`path`: media also look for the light of points and spots near to them (Kulla and Fajardo 2012). "
+                  "Pictures differ in noise alone."),
             field("ao_radius", &IntegratorSettings::ao_radius,
                   "`ao`: how far rays look for what hides the sky; 0: a twentieth of the scene's diagonal. Voxels look "
                   "at "

@@ -181,7 +181,7 @@ TEST(NoiseBounds, hold_for_every_noise_and_are_of_use) {
             }
             // How much wider than what is there: value noise is bounded closely, the others by intervals.
             EXPECT_LT(bound, found * (kind == kernels::NOISE_VALUE    ? 2.5
-                                      : kind == kernels::NOISE_PERLIN ? 5
+                                      : kind == kernels::NOISE_PERLIN ? 4
                                                                       : 8))
                 << kind << " " << octaves;
         }

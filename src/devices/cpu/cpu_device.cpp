@@ -180,6 +180,7 @@ class CpuDevice : public Device {
         kernels::Ray rays[packet_size];
         unsigned asked = 0;
         for (std::size_t i = 0; i < size; ++i) {
+            kernels::path_beside(view_, settings, states[i], hits[i]);
             connections[i] = kernels::path_shade(view_, settings, states[i], hits[i]);
             rays[i] = connections[i].ray;
             asked |= unsigned(connections[i].valid) << i;
@@ -188,7 +189,7 @@ class CpuDevice : public Device {
         unsigned clear = asked & ~cpu_trace_any8(view_, rays, asked, kernels::TRACE_SOLID);
         for (; clear; clear &= clear - 1) {
             const int i = std::countr_zero(clear);
-            states[i].radiance += kernels::clamped(settings, states[i],
+            states[i].radiance += kernels::clamped(settings, states[i].bounces,
                                                    kernels::path_connect(view_, settings, states[i], connections[i]));
         }
     }
