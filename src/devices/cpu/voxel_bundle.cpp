@@ -48,7 +48,6 @@ __m256 greatest(__m256 x) {
     x = _mm256_max_ps(x, _mm256_shuffle_ps(x, x, _MM_SHUFFLE(1, 0, 3, 2)));
     return _mm256_max_ps(x, _mm256_shuffle_ps(x, x, _MM_SHUFFLE(2, 3, 0, 1)));
 }
-__m256 front(__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); }
 __m256 pick(__m256 x, __m256i lanes) { return _mm256_permutevar8x32_ps(x, lanes); }
 float number(__m256 x) { return _mm256_cvtss_f32(x); }
 

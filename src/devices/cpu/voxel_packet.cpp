@@ -212,7 +212,6 @@ HitRows hit_rows(const PacketSet& set, const VoxelPacket& packet) {
 }  // namespace
 
 bool are_neighbours(const RayColumns& ray, unsigned lanes) {
-    const auto front = [](__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); };
     const __m256* const d = ray.direction;
     const __m256 longest = front(_mm256_max_ps(_mm256_max_ps(magnitude(d[0]), magnitude(d[1])), magnitude(d[2])));
     const __m256 turn = _mm256_mul_ps(longest, _mm256_set1_ps(neighbour_turn));
