@@ -227,7 +227,7 @@ bool bundle_closest(const SceneView& scene, uint grid, uint slot_first, uint ins
     __m256 start = _mm256_set1_ps(INFINITE), leave = _mm256_set1_ps(-INFINITE);
     for (int i = 0; i < b.count; ++i) {
         VoxelPacket& p = packets[i];
-        p = make_packet(set, b.rays[i], &rays[std::size_t(i * packet_size)], 0xff, b.rays[i].t_max);
+        begin_packet(set, b.rays[i], &rays[std::size_t(i * packet_size)], 0xff, b.rays[i].t_max, p);
         if (!p.alive) continue;
         alive |= 1u << i;
         const __m256 enters = _mm256_cmp_ps(p.box.start, p.box.leave, _CMP_LT_OQ);
