@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <map>
 #include <set>
 #include <tuple>
 
 #include "geometry/test_scene.h"
+#include "geometry/voxels/terrain.h"
 #include "spinel/voxels.h"
 
 namespace spinel {
@@ -156,6 +159,28 @@ TEST(VoxelTree, sharing_keeps_a_repeated_subtree_once) {
     ASSERT_TRUE(whole && once);
     const auto bytes = [](const VoxelTreeMemory& m) { return m.node_bytes + m.reference_bytes + m.palette_bytes; };
     EXPECT_LT(bytes((*once)->memory()) * 20, bytes((*whole)->memory()));
+}
+
+TEST(VoxelTree, shared_rows_of_references_overlap) {
+    const auto whole = build_terrain({256, 128, 256}), once = build_terrain({256, 128, 256}, true, shared);
+    ASSERT_TRUE(whole && once);
+    const auto cubes = [](const VoxelTree& tree) {
+        std::vector<std::array<int, 5>> list;
+        tree.for_each_cube([&](ivec3 lower, int edge, std::uint16_t palette) {
+            list.push_back({lower.x, lower.y, lower.z, edge, palette});
+        });
+        return list;
+    };
+    EXPECT_EQ(cubes(**once), cubes(**whole));
+
+    const VoxelTree::Arrays& arrays = (*once)->arrays();
+    std::map<std::uint32_t, int> rows;
+    for (const kernels::VoxelNode& n : arrays.nodes)
+        if ((n.link & kernels::VOXEL_LINK_KIND) == kernels::VOXEL_LINK_CHILDREN)
+            rows[n.link] = std::popcount(n.mask_low) + std::popcount(n.mask_high);
+    std::size_t words = 0;
+    for (const auto& [start, count] : rows) words += std::size_t(count);
+    EXPECT_LT(double(arrays.references.size()), 0.92 * double(words));
 }
 
 TEST(VoxelTree, an_empty_set_is_a_set) {

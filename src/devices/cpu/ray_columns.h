@@ -29,6 +29,7 @@ inline __m256 float_columns(__m256i x) { return _mm256_castsi256_ps(x); }
 inline unsigned lanes_of(__m256 mask) { return unsigned(_mm256_movemask_ps(mask)); }
 inline unsigned lanes_of(__m256i mask) { return lanes_of(float_columns(mask)); }
 inline __m256 all_lanes() { return float_columns(_mm256_set1_epi32(-1)); }
+inline __m256 front(__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); }
 inline __m256 magnitude(__m256 x) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), x); }
 
 // Four columns of the rays' members from `at` on.

@@ -48,7 +48,6 @@ __m256 greatest(__m256 x) {
     x = _mm256_max_ps(x, _mm256_shuffle_ps(x, x, _MM_SHUFFLE(1, 0, 3, 2)));
     return _mm256_max_ps(x, _mm256_shuffle_ps(x, x, _MM_SHUFFLE(2, 3, 0, 1)));
 }
-__m256 front(__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); }
 __m256 pick(__m256 x, __m256i lanes) { return _mm256_permutevar8x32_ps(x, lanes); }
 float number(__m256 x) { return _mm256_cvtss_f32(x); }
 
@@ -228,7 +227,7 @@ bool bundle_closest(const SceneView& scene, uint grid, uint slot_first, uint ins
     __m256 start = _mm256_set1_ps(INFINITE), leave = _mm256_set1_ps(-INFINITE);
     for (int i = 0; i < b.count; ++i) {
         VoxelPacket& p = packets[i];
-        p = make_packet(set, b.rays[i], &rays[std::size_t(i * packet_size)], 0xff, b.rays[i].t_max);
+        begin_packet(set, b.rays[i], &rays[std::size_t(i * packet_size)], 0xff, b.rays[i].t_max, p);
         if (!p.alive) continue;
         alive |= 1u << i;
         const __m256 enters = _mm256_cmp_ps(p.box.start, p.box.leave, _CMP_LT_OQ);

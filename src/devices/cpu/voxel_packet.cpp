@@ -60,8 +60,9 @@ __m256i sum(__m256 x, __m256 y, __m256 z) {
 
 // A node at a place for the rays in `active`: its planes, and those of its children that a ray may visit between
 // `enter` and `exit`. Its children are `edge` cells wide.
-void open_node(const VoxelNode& node, ivec3 lower, int edge, const VoxelPacket& packet, std::uint32_t flip,
-               unsigned active, __m256 enter, __m256 exit, PacketNode& n) {
+[[gnu::always_inline]] inline void open_node(const VoxelNode& node, ivec3 lower, int edge, const VoxelPacket& packet,
+                                             std::uint32_t flip, unsigned active, __m256 enter, __m256 exit,
+                                             PacketNode& n) {
     n.mask = make_mask64(node.mask_low, node.mask_high);
     n.link = node.link;
     n.lower = lower;
@@ -212,7 +213,6 @@ HitRows hit_rows(const PacketSet& set, const VoxelPacket& packet) {
 }  // namespace
 
 bool are_neighbours(const RayColumns& ray, unsigned lanes) {
-    const auto front = [](__m256 x) { return _mm256_broadcastss_ps(_mm256_castps256_ps128(x)); };
     const __m256* const d = ray.direction;
     const __m256 longest = front(_mm256_max_ps(_mm256_max_ps(magnitude(d[0]), magnitude(d[1])), magnitude(d[2])));
     const __m256 turn = _mm256_mul_ps(longest, _mm256_set1_ps(neighbour_turn));
@@ -229,8 +229,8 @@ bool are_neighbours(const RayColumns& ray, unsigned lanes) {
     return (lanes_of(near) & lanes) == lanes;
 }
 
-VoxelPacket make_packet(const PacketSet& set, const RayColumns& ray, const Ray* rays, unsigned lanes, __m256 limit) {
-    VoxelPacket p;
+void begin_packet(const PacketSet& set, const RayColumns& ray, const Ray* rays, unsigned lanes, __m256 limit,
+                  VoxelPacket& p) {
     p.ray = ray;
     p.rays = rays;
     p.limit = limit;
@@ -243,7 +243,6 @@ VoxelPacket make_packet(const PacketSet& set, const RayColumns& ray, const Ray* 
     p.found = 0;
     p.t = _mm256_setzero_ps();
     p.axis = p.palette = p.cell[0] = p.cell[1] = p.cell[2] = _mm256_setzero_si256();
-    return p;
 }
 
 std::uint32_t flip_of(const VoxelPacket& p) {
@@ -345,7 +344,8 @@ unsigned packet_closest(const SceneView& scene, uint grid, uint slot_first, uint
     PacketSet set = {scene, scene.voxel_grids.at[grid], grid, slot_first, instance, 0};
     alignas(32) float limits[packet_size];
     for (int i = 0; i < packet_size; ++i) limits[i] = lanes >> i & 1 ? hits[i].t : -INFINITE;
-    VoxelPacket packet = make_packet(set, ray, rays, lanes, _mm256_load_ps(limits));
+    VoxelPacket packet;
+    begin_packet(set, ray, rays, lanes, _mm256_load_ps(limits), packet);
     set.flip = flip_of(packet);
     if (packet.alive)
         walk_node(set, packet, set.grid.root, ivec3(0), int(set.grid.level_count) - 1, packet.alive, packet.box.start,

@@ -76,8 +76,8 @@ inline kernels::mask64 mirrored(kernels::mask64 m, std::uint32_t flip) {
 bool are_neighbours(const RayColumns& ray, unsigned lanes);
 
 // Eight rays before their walk; hits count up to `limit`.
-VoxelPacket make_packet(const PacketSet& set, const RayColumns& ray, const kernels::Ray* rays, unsigned lanes,
-                        __m256 limit);
+void begin_packet(const PacketSet& set, const RayColumns& ray, const kernels::Ray* rays, unsigned lanes, __m256 limit,
+                  VoxelPacket& packet);
 
 // The axes along which the living rays of a packet go down, as PacketSet::flip.
 std::uint32_t flip_of(const VoxelPacket& packet);

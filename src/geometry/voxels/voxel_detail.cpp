@@ -53,7 +53,7 @@ class Reduction {
         for (std::uint64_t rest = mask; rest != 0; rest &= rest - 1, ++rank) {
             const int i = std::countr_zero(rest);
             if (!divided) {
-                palettes[std::size_t(i)] = palette_of(node, rank);
+                palettes[std::size_t(i)] = palette_of(arrays_, node, rank);
                 if (level > 0) children[std::size_t(i)] = part_.solid(palettes[std::size_t(i)], level - 1);
                 continue;
             }
@@ -86,7 +86,7 @@ class Reduction {
                 if (!plain_counts(child_of(node, rank), level - 1, counts)) return false;
                 continue;
             }
-            const std::uint16_t palette = palette_of(node, rank);
+            const std::uint16_t palette = palette_of(arrays_, node, rank);
             if (!detail_.plain(palette)) return false;
             count(counts, palette, std::uint64_t(1) << (6 * level));
         }
@@ -94,14 +94,6 @@ class Reduction {
     }
 
     const VoxelNode& child_of(const VoxelNode& node, uint rank) const { return arrays_.nodes[node.link + rank]; }
-    std::uint16_t palette_of(const VoxelNode& node, uint rank) const {
-        const uint at = node.link & ~kernels::VOXEL_LINK_KIND;
-        switch (node.link & kernels::VOXEL_LINK_KIND) {
-            case kernels::VOXEL_LINK_BYTES: return arrays_.palettes[at + (rank >> 2)] >> (8 * (rank & 3)) & 0xff;
-            case kernels::VOXEL_LINK_HALVES: return arrays_.palettes[at + (rank >> 1)] >> (16 * (rank & 1)) & 0xffff;
-            default: return std::uint16_t(at);
-        }
-    }
 
     const VoxelTree& tree_;
     const VoxelTree::Arrays& arrays_;

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstddef>
 
+#include "geometry/voxels/voxel_tree_parts.h"
+
 namespace spinel {
 namespace {
 
@@ -96,10 +98,7 @@ class Builder {
         for (std::uint64_t rest = mask; rest != 0; rest &= rest - 1, ++rank) {
             VoxelLook& child = children[std::size_t(std::countr_zero(rest))];
             if (kind == kernels::VOXEL_LINK_CHILDREN) child = look_of_node(at + rank);
-            else if (kind == kernels::VOXEL_LINK_SOLID) child = looks_[at - 1];
-            else if (kind == kernels::VOXEL_LINK_BYTES)
-                child = looks_[(arrays_.palettes[at + (rank >> 2)] >> (8 * (rank & 3)) & 0xff) - 1];
-            else child = looks_[(arrays_.palettes[at + (rank >> 1)] >> (16 * (rank & 1)) & 0xffff) - 1];
+            else child = looks_[palette_of(arrays_, node, rank) - 1u];
         }
         return look_of_children(children, mask);
     }

@@ -48,6 +48,16 @@ class VoxelTreePart {
     bool overflow_ = false;
 };
 
+// The palette index of child number `rank` of a node whose children are no nodes.
+inline std::uint16_t palette_of(const VoxelTree::Arrays& arrays, const kernels::VoxelNode& node, kernels::uint rank) {
+    const kernels::uint at = node.link & ~kernels::VOXEL_LINK_KIND;
+    switch (node.link & kernels::VOXEL_LINK_KIND) {
+        case kernels::VOXEL_LINK_BYTES: return arrays.palettes[at + (rank >> 2)] >> (8 * (rank & 3)) & 0xff;
+        case kernels::VOXEL_LINK_HALVES: return arrays.palettes[at + (rank >> 1)] >> (16 * (rank & 1)) & 0xffff;
+        default: return std::uint16_t(at);
+    }
+}
+
 // One sentence if no tree can have this size.
 Result<void> validate_voxel_size(ivec3 size);
 
