@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include "kernels/constants.h"
 #include "render/pictures.h"
@@ -80,6 +81,24 @@ TEST(PreviewAo, rays_lose_half_of_the_sky_at_the_foot_of_a_high_wall_and_nothing
     };
     EXPECT_NEAR(at(0.1, 30).mean.x, 0.25, 0.003);
     expect_mean(at(1.1, 1), dvec3(0.5));
+}
+
+TEST(PreviewAo, meshes_darken_as_planes_and_boxes_do) {
+    const std::string file = std::string(SPINEL_BINARY_DIR) + "/ao_corner.obj";
+    std::ofstream(file) << "v -200 0 -200\nv 200 0 -200\nv 200 0 200\nv -200 0 200\n"  // a floor …
+                           "v 0 0 -200\nv 0 80 -200\nv 0 80 200\nv 0 0 200\n"          // … and a wall on it
+                           "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\n";
+    for (const char* structure : {"wide-bvh8", "kd-tree", "grid"}) {
+        const auto at = [&](double x, double radius) {
+            const std::string scene = fmt::format(R"json("integrator": {{"type": "ao", "ao_radius": {}}}, {},
+              "accelerator": {{"type": "{}"}}, "materials": {{"grey": {{"type": "diffuse", "color": 0.5}}}},
+              "objects": [{{"geometry": {{"type": "mesh", "file": "{}"}}, "material": "grey"}}])json",
+                                                  radius, white_sky, structure, file);
+            return render_text(from_above(x - 0.01, x + 0.01, 4, scene), 1024, 4).mean();
+        };
+        EXPECT_NEAR(at(0.1, 30).mean.x, 0.25, 0.003) << structure;
+        expect_mean(at(1.1, 1), dvec3(0.5));
+    }
 }
 
 TEST(PreviewFaces, a_face_is_as_bright_as_sun_and_sky_make_it_without_grain) {
