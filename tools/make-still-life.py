@@ -97,19 +97,19 @@ materials = {
         "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.5},
         "KHR_materials_volume": {"thicknessFactor": 0.1, "attenuationDistance": 0.22, "attenuationColor": [0.25, 0.75, 0.62]}}},
     "lacquer": {**metal_rough((0.55, 0.02, 0.03), 0.6, 0.45), "extensions": {
-        "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.03}}},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.1}}},
     "pierced copper": {**metal_rough((1, 1, 1), 1, 0.3, baseColorTexture={
         "index": 0, "extensions": {"KHR_texture_transform": {"scale": [9, 4], "rotation": 0}}}),
         "alphaMode": "MASK", "alphaCutoff": 0.5, "doubleSided": True},
     "bulb": {**metal_rough((0, 0, 0), 0, 1), "emissiveFactor": [1, 0.62, 0.27], "extensions": {
-        "KHR_materials_emissive_strength": {"emissiveStrength": 26}}},
+        "KHR_materials_emissive_strength": {"emissiveStrength": 14}}},
     "bubble": {**metal_rough((0.93, 0.96, 1.0), 0, 0), "doubleSided": True, "extensions": {
         "KHR_materials_transmission": {"transmissionFactor": 1}}},
-    "frosted": {**metal_rough((0.98, 0.86, 0.72), 0, 0.45), "doubleSided": True, "extensions": {
-        "KHR_materials_transmission": {"transmissionFactor": 0.85}}},
+    "frosted": {**metal_rough((1.0, 0.72, 0.45), 0, 0.3), "doubleSided": True, "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 1}}},
     "gold": metal_rough((1.0, 0.76, 0.33), 1, 0.12),
     "glaze": {**metal_rough((0.05, 0.12, 0.38), 0, 0.7), "extensions": {
-        "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.08}}},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.12}}},
 }
 names = list(materials)
 shapes = {"carafe": turned(carafe), "vase": turned(vase), "shade": turned(shade), "foot": turned(foot), "bowl": turned(bowl),
@@ -117,7 +117,7 @@ shapes = {"carafe": turned(carafe), "vase": turned(vase), "shade": turned(shade)
 # mesh of a shape in a material, then where it stands: x, y, z, scale
 still_life = [
     ("carafe", "sea glass", (-2.05, 0, -0.25, 1.0)), ("shade", "pierced copper", (-0.62, 0.07, -0.75, 1.12)),
-    ("foot", "gold", (-0.62, 0, -0.75, 1.0)), ("ball", "bulb", (-0.62, 0.62, -0.75, 0.15)),
+    ("foot", "gold", (-0.62, 0, -0.75, 1.0)), ("ball", "bulb", (-0.62, 0.66, -0.75, 0.24)),
     ("vase", "lacquer", (0.95, 0, -0.6, 1.0)), ("ball", "bubble", (2.2, 0.52, -0.15, 0.52)),
     ("ball", "gold", (2.2, 0.2, -0.15, 0.2)), ("bowl", "glaze", (-0.75, 0, 0.75, 0.85)),
     ("ball", "frosted", (0.55, 0.3, 0.75, 0.3)), ("ball", "glaze", (1.3, 0.2, 0.95, 0.2)),

@@ -188,23 +188,67 @@ Result<void> check_ply(const std::filesystem::path& path) {
 }
 
 Result<void> check_off(const std::filesystem::path& path) {
+    // Assimp copies lines into 4096 bytes, takes no more than nine corners, and loses its place where a face is none.
+    static constexpr std::size_t MAX_LINE = 4000;
+    static constexpr std::uint64_t MAX_FACE_CORNERS = 9;
     const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
     if (!bytes) return bytes.error();
-    std::istringstream text(bytes->substr(0, 65536));
-    std::string line;
-    long long vertices = 0, faces = 0;
-    while (std::getline(text, line)) {
-        line = line.substr(0, line.find('#'));
-        std::istringstream words(line);
-        std::string first;
-        if (!(words >> first)) continue;
-        if (first.find("OFF") == std::string::npos) words = std::istringstream(line);
-        if (words >> vertices >> faces) break;
+    std::string_view left = *bytes;
+    const auto next_line = [&]() -> std::string_view {
+        left.remove_prefix(std::min(left.find_first_not_of("\r\n"), left.size()));
+        const std::string_view line = left.substr(0, left.find_first_of("\r\n"));
+        left.remove_prefix(line.size());
+        return line;
+    };
+    // The keyword and three counts, on one line or several, comments between them.
+    std::vector<std::string> words;
+    for (std::size_t needed = 3; words.size() < needed && !left.empty();) {
+        const std::string_view whole = next_line();
+        std::istringstream line(std::string(whole.substr(0, std::min(whole.find('#'), MAX_LINE))));
+        for (std::string word; line >> word;) {
+            if (words.empty() && word.find("OFF") != std::string::npos) needed = 4;
+            words.push_back(word);
+        }
     }
-    const auto most = static_cast<long long>(bytes->size());
-    if (vertices < 0 || faces < 0 || vertices > most / 2 || faces > most / 2)
-        return cannot_read(path, "it announces " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
+    std::size_t first = 0;
+    if (!words.empty() && words[0].find("OFF") != std::string::npos) {
+        if (words[0].find_first_not_of("STCN4OF") != std::string::npos)
+            return cannot_read(path, "its keyword '" + words[0] + "' is none of OFF, COFF, NOFF, STOFF, 4OFF");
+        first = 1;
+    }
+    const auto whole_number = [&](std::string_view word) {
+        std::uint64_t value = 0;
+        for (const char digit : word) {
+            if (digit < '0' || digit > '9' || value > bytes->size()) return UINT64_MAX;
+            value = value * 10 + std::uint64_t(digit - '0');
+        }
+        return word.empty() ? UINT64_MAX : value;
+    };
+    if (words.size() != first + 3)
+        return cannot_read(path, "its header does not count vertices, faces and edges on lines of their own");
+    const std::uint64_t vertices = whole_number(words[first]), faces = whole_number(words[first + 1]);
+    if (vertices > bytes->size() || faces > bytes->size())
+        return cannot_read(path, "it announces " + words[first] + " vertices and " + words[first + 1] +
                                      " faces, for which the file is too short");
+    for (std::uint64_t i = 0; i < vertices + faces; ++i) {
+        const std::string_view line = next_line();
+        const std::string what = i < vertices ? "vertex " + std::to_string(i) : "face " + std::to_string(i - vertices);
+        if (line.empty()) return cannot_read(path, "it ends before " + what);
+        if (line.size() > MAX_LINE) return cannot_read(path, "the line of " + what + " is too long");
+        if (i < vertices) continue;
+        std::istringstream numbers{std::string(line)};
+        std::string word;
+        numbers >> word;
+        const std::uint64_t corners = whole_number(word);
+        if (corners < 1 || corners > MAX_FACE_CORNERS)
+            return cannot_read(path, what + " does not have 1 to " + std::to_string(MAX_FACE_CORNERS) + " corners");
+        for (std::uint64_t k = 0; k < corners; ++k) {
+            word.clear();
+            numbers >> word;
+            if (whole_number(word) >= vertices)
+                return cannot_read(path, what + " refers to vertex '" + word + "' of " + std::to_string(vertices));
+        }
+    }
     return {};
 }
 

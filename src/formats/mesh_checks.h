@@ -12,7 +12,7 @@ namespace spinel {
 // PLY: a whole header of known words; elements and lists that fit the bytes behind it.
 Result<void> check_ply(const std::filesystem::path& path);
 
-// OFF: counts of vertices and faces that fit the file.
+// OFF: as many lines as are announced, faces of corners that are there.
 Result<void> check_off(const std::filesystem::path& path);
 
 // Whether JSON is nested deeper than `depth`: parsers by recursion have no other end.

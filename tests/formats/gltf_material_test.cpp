@@ -214,11 +214,15 @@ TEST_F(MtlMaterial, heights_become_normals_and_normals_stay) {
     EXPECT_NEAR(n.x / n.z, -0.5f, 0.02f);
     EXPECT_NEAR(n.y, 0, 0.01f);
 
-    write("m.mtl", "newmtl a\nKd 1 1 1\nmap_bump normals.png\n");
-    const Result<Scene> normals = load_mesh(folder / "a.obj");
-    ASSERT_TRUE(normals) << normals.error().message;
-    const auto& map = std::get<ImageTexture>(normals->textures[normals->materials[0].values.normal_texture].data);
-    EXPECT_EQ(std::get<std::vector<std::uint8_t>>(map.pixels->data).at(2), 255);
+    for (const std::string key : {"map_bump", "norm"}) {
+        write("m.mtl", "newmtl a\nKd 1 1 1\n" + key + " normals.png\n");
+        const Result<Scene> normals = load_mesh(folder / "a.obj");
+        ASSERT_TRUE(normals) << normals.error().message;
+        const kernels::uint index = normals->materials[0].values.normal_texture;
+        ASSERT_LT(index, normals->textures.size()) << key;
+        const auto& map = std::get<ImageTexture>(normals->textures[index].data);
+        EXPECT_EQ(std::get<std::vector<std::uint8_t>>(map.pixels->data).at(2), 255) << key;
+    }
 }
 
 TEST_F(MtlMaterial, textures_that_are_not_there_are_left_out_and_named) {

@@ -52,7 +52,11 @@ TEST_F(MeshRefusal, counts_of_a_ply_are_held_against_its_size) {
 TEST_F(MeshRefusal, counts_of_an_off_are_held_against_its_size) {
     refuse("a.off", "OFF\n4000000000 1 0\n0 0 0\n", "4000000000 vertices");
     refuse("b.off", "OFF 3 4000000000 0\n0 0 0\n", "4000000000 faces");
-    EXPECT_TRUE(load_mesh(write("c.off", "OFF\n# a triangle\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")));
+    refuse("c.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n\x13 0\n0 1  0 10 1 ", "face 0 does not have 1 to 9 corners");
+    refuse("d.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "face 0 refers to vertex '3' of 3");
+    refuse("e.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", "it ends before face 0");
+    refuse("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1" + std::string(5000, ' ') + "2\n", "too long");
+    EXPECT_TRUE(load_mesh(write("g.off", "OFF\n# a triangle\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")));
 }
 
 TEST_F(MeshRefusal, nodes_that_are_no_trees_are_named) {
