@@ -37,6 +37,7 @@ struct PixelBuffer;  // image/pixels.h
 // ------------------------------------------------------------------------------------------------- textures, materials
 enum class Filter { nearest, linear, cubic };  // cubic: volumes alone
 enum class Wrap { repeat, clamp, mirror };
+enum class WrapV { same, repeat, clamp, mirror };  // same: as along u
 
 struct ImageTexture {
     std::string file;                           // where it came from, for messages
@@ -44,7 +45,10 @@ struct ImageTexture {
     bool srgb = true;                           // 8-bit colour; false for data (normals, roughness) and floating point
     Filter filter = Filter::linear;
     Wrap wrap = Wrap::repeat;
+    WrapV wrap_v = WrapV::same;
+    int uv_set = 0;  // 0, 1: texture coordinates that a mesh has one or two sets of
     vec2 scale = {1, 1};
+    float rotation = 0;  // counter-clockwise about (0, 0), after `scale`
     vec2 offset = {0, 0};
 };
 
@@ -133,6 +137,7 @@ struct MeshGeometry {
     std::vector<uvec3> triangles;
     std::vector<vec3> normals;         // empty, or one a vertex
     std::vector<vec2> uvs;             // empty, or one a vertex
+    std::vector<vec2> second_uvs;      // empty, or one a vertex, for textures of uv_set 1; empty: `uvs` serve them
     std::vector<vec4> tangents;        // empty, or one a vertex; w is the bitangent's sign
     std::vector<vec4> colors;          // empty, or one a vertex, linear; multiplies the base colour
     std::vector<std::uint32_t> slots;  // empty (all 0), or the material slot of each triangle

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
-#include <string_view>
 
 #include "formats/file_bytes.h"
 #include "formats/gltf_extras.h"
 #include "formats/mesh_attributes.h"
+#include "formats/mesh_checks.h"
 #include "formats/mesh_material.h"
 #include "formats/mesh_textures.h"
 #include "formats/polygon.h"
@@ -44,22 +42,6 @@ mat4x3 to_transform(const aiMatrix4x4& m) {
     return {vec3(m.a1, m.b1, m.c1), vec3(m.a2, m.b2, m.c2), vec3(m.a3, m.b3, m.c3), vec3(m.a4, m.b4, m.c4)};
 }
 
-// Whether the lines up to end_header are such as the format has. Assimp reads on for ever where they end
-// early.
-bool is_ply_header(const std::filesystem::path& path) {
-    static constexpr std::size_t MAX_LINES = 10000;
-    std::ifstream file(path, std::ios::binary);
-    std::string line;
-    for (std::size_t i = 0; i < MAX_LINES && std::getline(file, line); ++i) {
-        const std::string word = line.substr(0, line.find_first_of(" \t\r"));
-        if (i == 0 && word != "ply") return false;
-        if (word == "end_header") return true;
-        static constexpr std::string_view known[] = {"ply", "format", "comment", "obj_info", "element", "property", ""};
-        if (std::find(std::begin(known), std::end(known), word) == std::end(known)) return false;
-    }
-    return false;
-}
-
 class MeshLoader {
   public:
     MeshLoader(const std::filesystem::path& path, const GltfExtras* gltf) : path_(path), gltf_(gltf) {}
@@ -69,9 +51,12 @@ class MeshLoader {
         if (!std::filesystem::is_regular_file(path_, error))
             return cannot_read(
                 path_, std::filesystem::exists(path_, error) ? "that is not a plain file" : "there is no such file");
-        if (path_extension() == ".ply" && !is_ply_header(path_)) return cannot_read(path_, "its PLY header is damaged");
         if (std::filesystem::file_size(path_, error) > MAX_FILE)
             return cannot_read(path_, "its size is more than the " + std::to_string(MAX_FILE) + " bytes allowed");
+        if (path_extension() == ".ply")
+            if (Result<void> sound = check_ply(path_); !sound) return sound.error();
+        if (path_extension() == ".off")
+            if (Result<void> sound = check_off(path_); !sound) return sound.error();
         // As the file has it: what follows is ours, Assimp's own steps assume sound and unindexed meshes.
         source_ = importer_.ReadFile(path_.string(), 0);
         if (!source_) return library_error();
@@ -83,6 +68,7 @@ class MeshLoader {
         if (gltf_) {
             make_cameras();
             make_lights();
+            scene_.notes.insert(scene_.notes.end(), gltf_->notes.begin(), gltf_->notes.end());
         }
         return std::move(scene_);
     }
@@ -124,10 +110,11 @@ class MeshLoader {
 
     Result<void> make_materials() {
         MeshTextures textures(path_, *source_, scene_);
+        if (!gltf_) textures.allow_missing();  // an MTL is often all that is left of a model's looks
         std::vector<bool> used(source_->mNumMaterials, false);
         for (unsigned m = 0; m < source_->mNumMeshes; ++m)
             if (source_->mMeshes[m]->mMaterialIndex < used.size()) used[source_->mMeshes[m]->mMaterialIndex] = true;
-        uv_sets_.assign(used.size(), 0);
+        uv_sets_.assign(used.size(), {0});
         material_of_.assign(used.size(), -1);
         for (unsigned m = 0; m < source_->mNumMaterials; ++m) {
             if (!used[m]) continue;
@@ -136,11 +123,20 @@ class MeshLoader {
                 const auto found = gltf_->materials.find(m);
                 if (found != gltf_->materials.end()) extras = &found->second;
             }
-            Result<Material> material = mesh_material(*source_->mMaterials[m], extras, textures);
+            Result<Material> material = mesh_material(*source_->mMaterials[m], extras, textures, scene_.notes);
             if (!material) return material.error();
             material_of_[m] = int(scene_.materials.size());
-            uv_sets_[m] = textures.uv_set().value_or(0);
+            uv_sets_[m] = textures.uv_sets();
+            if (uv_sets_[m].empty()) uv_sets_[m] = {0};
             scene_.materials.push_back(std::move(*material));
+        }
+        if (!textures.missing().empty()) {
+            std::string names;
+            for (std::size_t i = 0; i < std::min<std::size_t>(textures.missing().size(), 3); ++i)
+                names += (i == 0 ? "'" : ", '") + textures.missing()[i] + "'";
+            scene_.notes.push_back("textures that are not there are left out (" +
+                                   std::to_string(textures.missing().size()) + "): " + names +
+                                   (textures.missing().size() > 3 ? ", …" : ""));
         }
         return {};
     }
@@ -169,9 +165,15 @@ class MeshLoader {
 
     MeshGeometry attributes(const aiMesh& mesh) const {
         MeshGeometry geometry;
-        const unsigned uv_set = mesh.mMaterialIndex < uv_sets_.size() ? uv_sets_[mesh.mMaterialIndex] : 0;
+        const std::vector<unsigned> sets =
+            mesh.mMaterialIndex < uv_sets_.size() ? uv_sets_[mesh.mMaterialIndex] : std::vector<unsigned>{0};
+        const auto has_set = [&](unsigned set) {
+            return set < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(set);
+        };
+        const unsigned uv_set = sets[0];
+        const bool second_uvs = sets.size() > 1 && has_set(sets[1]);
         const bool normals = mesh.HasNormals() && path_extension() != ".stl";
-        const bool uvs = mesh.HasTextureCoords(uv_set);
+        const bool uvs = has_set(uv_set);
         const bool tangents = normals && uvs && mesh.HasTangentsAndBitangents();
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
             geometry.positions.push_back(to_vec3(mesh.mVertices[v]));
@@ -179,10 +181,12 @@ class MeshLoader {
             // tangent.
             const vec3 normal = normals ? unit_or_zero(to_vec3(mesh.mNormals[v])) : vec3(0.0f);
             if (normals) geometry.normals.push_back(normal);
-            if (uvs) {
-                const vec3 uv = to_vec3(mesh.mTextureCoords[uv_set][v]);
-                geometry.uvs.push_back(is_finite(uv) ? vec2(uv) : vec2(0.0f));
-            }
+            const auto uv_of = [&](unsigned set) {
+                const vec3 uv = to_vec3(mesh.mTextureCoords[set][v]);
+                return is_finite(uv) ? vec2(uv) : vec2(0.0f);
+            };
+            if (uvs) geometry.uvs.push_back(uv_of(uv_set));
+            if (second_uvs) geometry.second_uvs.push_back(uv_of(sets[1]));
             if (tangents) {
                 const vec3 tangent = unit_or_zero(to_vec3(mesh.mTangents[v]));
                 const float side = glm::dot(glm::cross(normal, tangent), to_vec3(mesh.mBitangents[v]));
@@ -270,15 +274,21 @@ class MeshLoader {
 
     void make_cameras() {
         for (unsigned c = 0; c < source_->mNumCameras; ++c) {
-            const auto yfov = gltf_->camera_yfov.find(c);
-            if (yfov == gltf_->camera_yfov.end()) continue;  // orthographic
+            if (c >= gltf_->cameras.size()) break;
+            const GltfExtras::CameraExtras lens = gltf_->cameras[c];
+            if (lens.yfov <= 0 && lens.ymag <= 0) continue;
             const mat4x3 to_world = to_transform(world_transform(source_->mCameras[c]->mName));
             Camera camera;
             camera.name = source_->mCameras[c]->mName.C_Str();
             camera.from = to_world[3];
             camera.at = to_world[3] - glm::normalize(to_world[2]);  // looks along its −z
             camera.up = glm::normalize(to_world[1]);
-            camera.fov = glm::degrees(yfov->second);
+            if (lens.yfov > 0) {
+                camera.fov = glm::degrees(lens.yfov);
+            } else {
+                camera.kind = Camera::Kind::orthographic;
+                camera.height = 2 * lens.ymag;
+            }
             if (is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up))
                 scene_.cameras.push_back(camera);
         }
@@ -313,9 +323,9 @@ class MeshLoader {
     Assimp::Importer importer_;
     const aiScene* source_ = nullptr;  // the importer's
     Scene scene_;
-    std::vector<unsigned> uv_sets_;  // of each of the file's materials
-    std::vector<int> material_of_;   // of each of the file's materials; −1: no mesh uses it
-    std::vector<int> geometry_of_;   // of each of the file's meshes; −1: it has no triangle
+    std::vector<std::vector<unsigned>> uv_sets_;  // of each of the file's materials, one or two
+    std::vector<int> material_of_;                // of each of the file's materials; −1: no mesh uses it
+    std::vector<int> geometry_of_;                // of each of the file's meshes; −1: it has no triangle
     int white_ = -1;
 };
 

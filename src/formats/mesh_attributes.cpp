@@ -52,6 +52,7 @@ void gather_vertices(MeshGeometry& mesh, const std::vector<std::uint32_t>& from)
     gather(mesh.positions, from);
     gather(mesh.normals, from);
     gather(mesh.uvs, from);
+    gather(mesh.second_uvs, from);
     gather(mesh.tangents, from);
     gather(mesh.colors, from);
 }
@@ -79,6 +80,7 @@ void weld_vertices(MeshGeometry& mesh) {
         std::uint64_t h = mixed(0x51ed270b, &mesh.positions[i], sizeof(vec3));
         if (!mesh.normals.empty()) h = mixed(h, &mesh.normals[i], sizeof(vec3));
         if (!mesh.uvs.empty()) h = mixed(h, &mesh.uvs[i], sizeof(vec2));
+        if (!mesh.second_uvs.empty()) h = mixed(h, &mesh.second_uvs[i], sizeof(vec2));
         if (!mesh.tangents.empty()) h = mixed(h, &mesh.tangents[i], sizeof(vec4));
         if (!mesh.colors.empty()) h = mixed(h, &mesh.colors[i], sizeof(vec4));
         return h;
@@ -90,7 +92,7 @@ void weld_vertices(MeshGeometry& mesh) {
     };
     const auto equal = [&](std::size_t a, std::size_t b) {
         return same(mesh.positions, a, b) && same(mesh.normals, a, b) && same(mesh.uvs, a, b) &&
-               same(mesh.tangents, a, b) && same(mesh.colors, a, b);
+               same(mesh.second_uvs, a, b) && same(mesh.tangents, a, b) && same(mesh.colors, a, b);
     };
     std::vector<std::uint32_t> firsts;
     const std::vector<std::uint32_t> vertex = classes(mesh.positions.size(), hash, equal, firsts);

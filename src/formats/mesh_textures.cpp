@@ -78,6 +78,46 @@ std::shared_ptr<const PixelBuffer> opacity_of(const PixelBuffer& source, Texture
         source.data);
 }
 
+float channel(const PixelBuffer& source, int x, int y, int c) {
+    const std::size_t index =
+        (std::size_t(y) * std::size_t(source.width) + std::size_t(x)) * std::size_t(source.channels) + std::size_t(c);
+    if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&source.data)) return float((*bytes)[index]) / 255;
+    return std::get<std::vector<float>>(source.data)[index];
+}
+
+// Heights are grey; normals are colours, mostly of (½, ½, 1).
+bool is_normal_map(const PixelBuffer& source) {
+    if (source.channels < 3) return false;
+    glm::dvec3 sum(0);
+    for (int y = 0; y < source.height; ++y)
+        for (int x = 0; x < source.width; ++x)
+            sum += glm::dvec3(channel(source, x, y, 0), channel(source, x, y, 1), channel(source, x, y, 2));
+    sum /= double(source.width) * double(source.height);
+    return sum.z > std::max(sum.x, sum.y) + 0.1;
+}
+
+// Normals of the surface whose heights are the picture's grey, `depth` texels from black to white, by differences to
+// both sides. Tangent space: x along +u, y along +v, which is up in the picture.
+std::shared_ptr<const PixelBuffer> normals_of_heights(const PixelBuffer& source, float depth, Wrap wrap) {
+    const auto beside = [&](int i, int size) {
+        return wrap == Wrap::repeat ? (i + size) % size : std::clamp(i, 0, size - 1);
+    };
+    PixelBuffer result{source.width, source.height, 3, {}};
+    auto& bytes = result.data.emplace<std::vector<std::uint8_t>>();
+    bytes.reserve(result.value_count());
+    for (int y = 0; y < source.height; ++y) {
+        for (int x = 0; x < source.width; ++x) {
+            const auto height = [&](int i, int j) {
+                return channel(source, beside(i, source.width), beside(j, source.height), 0);
+            };
+            const glm::vec3 slope(height(x - 1, y) - height(x + 1, y), height(x, y + 1) - height(x, y - 1), 0);
+            const glm::vec3 n = glm::normalize(0.5f * depth * slope + glm::vec3(0, 0, 1));
+            for (int c = 0; c < 3; ++c) bytes.push_back(std::uint8_t(std::lround((0.5f + 0.5f * n[c]) * 255)));
+        }
+    }
+    return std::make_shared<const PixelBuffer>(std::move(result));
+}
+
 Wrap wrap_of(int mode) {
     if (mode == aiTextureMapMode_Clamp) return Wrap::clamp;
     if (mode == aiTextureMapMode_Mirror) return Wrap::mirror;
@@ -115,8 +155,11 @@ Result<std::shared_ptr<const PixelBuffer>> MeshTextures::pixels(const std::strin
         std::error_code error;
         std::filesystem::path path = model_.parent_path() / file;
         if (!std::filesystem::exists(path, error)) path = model_.parent_path() / percent_decoded(file);
-        if (!std::filesystem::exists(path, error))
-            return cannot_read(model_, "its texture '" + name + "' is not there");
+        if (!std::filesystem::exists(path, error)) {
+            if (!missing_allowed_) return cannot_read(model_, "its texture '" + name + "' is not there");
+            if (std::find(missing_.begin(), missing_.end(), name) == missing_.end()) missing_.push_back(name);
+            return std::shared_ptr<const PixelBuffer>();
+        }
         read = read_pixels(path);
     }
     if (!read) return read.error();
@@ -127,30 +170,39 @@ Result<std::shared_ptr<const PixelBuffer>> MeshTextures::pixels(const std::strin
     return known;
 }
 
-Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, int ai_type, TextureRole role, float cutoff) {
-    const auto type = aiTextureType(ai_type);
+Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, const Use& use) {
+    const auto type = aiTextureType(use.type);
     aiString file;
     aiTextureMapping mapping = aiTextureMapping_UV;
     unsigned uv_set = 0;
-    if (material.GetTexture(type, 0, &file, &mapping, &uv_set) != AI_SUCCESS) return kernels::NONE;
+    if (material.GetTexture(type, use.number, &file, &mapping, &uv_set) != AI_SUCCESS) return kernels::NONE;
     const std::string name = file.C_Str();
-    if (uv_set_.value_or(uv_set) != uv_set)
-        return cannot_read(model_, "material '" + std::string(material.GetName().C_Str()) +
-                                       "' uses two sets of texture coordinates, one is supported");
-    uv_set_ = uv_set;
+    if (name.empty()) return kernels::NONE;
+    if (use.place) uv_set = use.place->uv_set;
+    auto known_set = std::find(uv_sets_.begin(), uv_sets_.end(), uv_set);
+    if (known_set == uv_sets_.end()) {
+        if (uv_sets_.size() == 2)
+            return cannot_read(model_, "material '" + std::string(material.GetName().C_Str()) +
+                                           "' uses three sets of texture coordinates, two are supported");
+        known_set = uv_sets_.insert(uv_sets_.end(), uv_set);
+    }
 
     ImageTexture texture;
-    texture.srgb = role == TextureRole::color;
+    texture.srgb = use.role == TextureRole::color;
+    texture.uv_set = int(known_set - uv_sets_.begin());
     int wrap_u = aiTextureMapMode_Wrap, wrap_v = aiTextureMapMode_Wrap, magnification = 0;
-    material.Get(AI_MATKEY_MAPPINGMODE_U(type, 0), wrap_u);
-    material.Get(AI_MATKEY_MAPPINGMODE_V(type, 0), wrap_v);
-    material.Get(AI_MATKEY_GLTF_MAPPINGFILTER_MAG(type, 0), magnification);
-    if (wrap_u != wrap_v)
-        return cannot_read(model_, "texture '" + name + "' wraps differently along u and v, which is not supported");
+    material.Get(AI_MATKEY_MAPPINGMODE_U(type, use.number), wrap_u);
+    material.Get(AI_MATKEY_MAPPINGMODE_V(type, use.number), wrap_v);
+    material.Get(AI_MATKEY_GLTF_MAPPINGFILTER_MAG(type, use.number), magnification);
     texture.wrap = wrap_of(wrap_u);
+    if (wrap_v != wrap_u) texture.wrap_v = WrapV(int(wrap_of(wrap_v)) + 1);
     texture.filter = magnification == GL_NEAREST ? Filter::nearest : Filter::linear;
     aiUVTransform transform;
-    if (material.Get(AI_MATKEY_UVTRANSFORM(type, 0), transform) == AI_SUCCESS) {
+    if (use.place) {
+        texture.scale = use.place->scale;
+        texture.rotation = use.place->rotation;
+        texture.offset = use.place->offset;
+    } else if (material.Get(AI_MATKEY_UVTRANSFORM(type, use.number), transform) == AI_SUCCESS) {
         if (transform.mRotation != 0)
             return cannot_read(model_, "texture '" + name + "' is rotated, which is not supported");
         texture.scale = {transform.mScaling.x, transform.mScaling.y};
@@ -158,15 +210,19 @@ Result<std::uint32_t> MeshTextures::add(const aiMaterial& material, int ai_type,
     }
 
     std::ostringstream key;
-    key << name << '|' << int(role) << '|' << cutoff << '|' << int(texture.wrap) << '|' << int(texture.filter) << '|'
-        << texture.scale.x << ' ' << texture.scale.y << ' ' << texture.offset.x << ' ' << texture.offset.y;
+    key << name << '|' << int(use.role) << '|' << use.amount << '|' << int(texture.wrap) << '|' << int(texture.wrap_v)
+        << '|' << int(texture.filter) << '|' << texture.uv_set << '|' << texture.scale.x << ' ' << texture.scale.y
+        << ' ' << texture.rotation << ' ' << texture.offset.x << ' ' << texture.offset.y;
     if (const auto known = textures_.find(key.str()); known != textures_.end()) return known->second;
 
     const Result<std::shared_ptr<const PixelBuffer>> read = pixels(name, texture.srgb);
     if (!read) return read.error();
+    if (!*read) return textures_[key.str()] = kernels::NONE;
     texture.pixels = *read;
-    if (role != TextureRole::color && role != TextureRole::data) {
-        texture.pixels = opacity_of(**read, role, cutoff);
+    if (use.role == TextureRole::relief) {
+        if (!is_normal_map(**read)) texture.pixels = normals_of_heights(**read, use.amount, texture.wrap);
+    } else if (use.role != TextureRole::color && use.role != TextureRole::data) {
+        texture.pixels = opacity_of(**read, use.role, use.amount);
         if (!texture.pixels) return textures_[key.str()] = kernels::NONE;
     }
     texture.file = name[0] == '*' ? model_.string() + " " + name : name;

@@ -7,8 +7,8 @@ KERNELS_BEGIN
 // color, roughness and metallic are the material's own with their textures applied; relative_ior is
 // n_transmitted / n_incident as seen from wo.
 FN Bsdf make_bsdf(const_in(Material) m, vec3 color, float roughness, float metallic, float relative_ior) {
-    Bsdf b =
-        Bsdf(m.kind, color, roughness, metallic, m.eta, m.k, m.edge_color, m.ior, relative_ior, vec3(0.0f), vec3(0.0f));
+    Bsdf b = Bsdf(m.kind, color, roughness, metallic, m.eta, m.k, m.edge_color, m.ior, relative_ior, vec3(0.0f),
+                  vec3(0.0f), m.coat, m.coat_roughness, 1.0f, m.transmission);
 #define SPINEL_MATERIAL_CASE(number, CONSTANT, name) \
     case MATERIAL_##CONSTANT: name##_make(b); break;
     switch (b.kind) { SPINEL_MATERIALS(SPINEL_MATERIAL_CASE) }

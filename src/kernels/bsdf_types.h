@@ -24,6 +24,11 @@ struct Bsdf {
     // What a kind works out once for a point, in its _make function (energy: see there):
     vec3 again;   // colour of the multiple scattering between microfacets
     vec3 energy;  // means over the hemisphere
+    // Of principled: a clear coat, its mean; how much of the base is a thin wall.
+    float coat;
+    float coat_roughness;
+    float coated_through;  // see principled_make
+    float transmission;
 };
 
 const uint LOBE_DELTA = 1u;         // a mirror or a clear interface: `pdf` is the probability of having chosen it

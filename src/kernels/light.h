@@ -21,34 +21,42 @@ struct LightSample {
     float opacity;  // chance that a path which follows the direction meets the emitter; radiance holds it already
 };
 
-FN vec3 material_emission(const_in(SceneView) scene, uint material, vec2 uv, uint face) {
+FN vec3 material_emission(const_in(SceneView) scene, uint material, vec4 uvs, uint face) {
     vec3 e = scene.materials.at[material].emission;
     uint t = scene.materials.at[material].emission_texture;
     if (t != NONE) {
-        vec4 texel = texture_at(scene, t, uv, face);
+        vec4 texel = texture_at(scene, t, uvs, face);
         e *= vec3(texel.x, texel.y, texel.z);
     }
     return e;
 }
 
-FN float material_opacity(const_in(SceneView) scene, uint material, vec2 uv, uint face) {
+FN float material_opacity(const_in(SceneView) scene, uint material, vec4 uvs, uint face) {
     float opacity = scene.materials.at[material].opacity;
     uint t = scene.materials.at[material].opacity_texture;
-    return t == NONE ? opacity : opacity * texture_at(scene, t, uv, face).w;
+    return t == NONE ? opacity : opacity * texture_at(scene, t, uvs, face).w;
 }
 
-FN vec2 mesh_uv(const_in(SceneView) scene, const_in(Mesh) mesh, uvec3 vertices, vec3 weights) {
-    if (mesh.uv_first == NONE) return vec2(0.0f);
-    uvec3 i = vertices + mesh.uv_first;
+FN vec2 mesh_uv(const_in(SceneView) scene, uint first, uvec3 vertices, vec3 weights) {
+    uvec3 i = vertices + first;
     return mat3x2(scene.uvs.at[i.x], scene.uvs.at[i.y], scene.uvs.at[i.z]) * weights;
 }
 
+// Both sets of texture coordinates.
+FN vec4 mesh_uvs(const_in(SceneView) scene, const_in(Mesh) mesh, uvec3 vertices, vec3 weights) {
+    vec2 first = vec2(0.0f);
+    if (mesh.uv_first != NONE) first = mesh_uv(scene, mesh.uv_first, vertices, weights);
+    if (mesh.second_uv_first == NONE) return both_uvs(first);
+    vec2 second = mesh_uv(scene, mesh.second_uv_first, vertices, weights);
+    return vec4(first.x, first.y, second.x, second.y);
+}
+
 // Texture coordinates on a flat emitter; b are barycentric weights or the place on a parallelogram.
-FN vec2 light_uv(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
-    if (light.kind != LIGHT_TRIANGLE) return b;
+FN vec4 light_uvs(const_in(SceneView) scene, const_in(Light) light, vec2 b) {
+    if (light.kind != LIGHT_TRIANGLE) return both_uvs(b);
     RECORD(Mesh) mesh = scene.meshes.at[scene.instances.at[light.instance].geometry];
     uvec3 v = scene.triangle_infos.at[mesh.triangle_first + light.key.x].vertices;
-    return mesh_uv(scene, mesh, v, vec3(1.0f - b.x - b.y, b.x, b.y));
+    return mesh_uvs(scene, mesh, v, vec3(1.0f - b.x - b.y, b.x, b.y));
 }
 
 // The face of a cube that a flat emitter is; NONE: it is none.
@@ -158,10 +166,10 @@ FN LightSample sample_one_light(const_in(SceneView) scene, uint index, vec3 from
     if (light.two_sided != 0u) cosine = abs(cosine);
     if (!(cosine > 1.0e-6f)) return no_light();
     float error = light_error(scene, light, point, max_component(abs(light.position) + abs(light.u) + abs(light.v)));
-    vec2 uv = light_uv(scene, light, b);
+    vec4 uvs = light_uvs(scene, light, b);
     uint face = light_face(scene, light);
-    return surface_light(direction, material_emission(scene, light.material, uv, face), p * d2 / (cosine * light.area),
-                         point, light.direction, error, material_opacity(scene, light.material, uv, face));
+    return surface_light(direction, material_emission(scene, light.material, uvs, face), p * d2 / (cosine * light.area),
+                         point, light.direction, error, material_opacity(scene, light.material, uvs, face));
 }
 
 FN bool is_point_light(const_in(Light) light) { return light.kind == LIGHT_POINT || light.kind == LIGHT_SPOT; }

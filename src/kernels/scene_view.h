@@ -118,10 +118,11 @@ struct Mesh {
     uint test_first;       // into UnitTriangles or SceneView::positions, of tests that need them
     uint triangle_first;   // also indexes TriangleInfos
     uint triangle_count;
-    uint normal_first;   // the first vertex's in SceneView::normals; NONE: the geometric normal serves
-    uint uv_first;       // NONE: (0, 0)
-    uint tangent_first;  // xyz along +u, w the bitangent's sign; NONE: no tangents
-    uint color_first;    // linear, multiplies the base colour, w is unused; NONE: white
+    uint normal_first;     // the first vertex's in SceneView::normals; NONE: the geometric normal serves
+    uint uv_first;         // NONE: (0, 0)
+    uint second_uv_first;  // of a second set; NONE: the first set serves
+    uint tangent_first;    // xyz along +u, w the bitangent's sign; NONE: no tangents
+    uint color_first;      // linear, multiplies the base colour, w is unused; NONE: white
 };
 BUFFER(Meshes, Mesh)
 
@@ -331,8 +332,14 @@ struct Material {
     uint emission_two_sided;  // 0: only the side of the outward normal emits
     uint normal_texture;      // tangent space, NONE: none
     float normal_scale;
-    float opacity;         // 0 … 1: chance that a ray meets the surface at all
-    uint opacity_texture;  // channel a multiplies opacity
+    float opacity;                // 0 … 1: chance that a ray meets the surface at all
+    uint opacity_texture;         // channel a multiplies opacity
+    float coat;                   // 0 … 1: of principled, how much of it lies under a clear coat …
+    uint coat_texture;            // … channel r multiplies coat
+    float coat_roughness;         // perceptual
+    uint coat_roughness_texture;  // channel g multiplies coat_roughness
+    float transmission;           // 0 … 1: of principled, how much of its base is a thin clear wall …
+    uint transmission_texture;    // … channel r multiplies transmission
 };
 BUFFER(Materials, Material)
 
@@ -351,9 +358,12 @@ struct Texture {
     uint word_first;   // into SceneView::words, row 0 at v = 1 (the top of the image)
     uint srgb;         // 1: rgb is sRGB-encoded
     uint filter_kind;  // FILTER_NEAREST or FILTER_TRILINEAR (bilinear here)
-    uint wrap;         // WRAP_…
-    vec2 scale;        // uv is multiplied by this …
-    vec2 offset;       // … then this is added
+    uint wrap_u;       // WRAP_…
+    uint wrap_v;
+    uint uv_set;  // 0, 1: which texture coordinates of a mesh
+    vec2 row_u;   // the place in the picture is (row_u·uv, row_v·uv) + offset
+    vec2 row_v;
+    vec2 offset;
     vec3 color_a;
     vec3 color_b;
     uint face_first;  // into SceneView::words, NONE: the whole picture over uv; else six rectangles of texels x, y,

@@ -19,13 +19,13 @@ struct Surface {
     vec3 normal;            // unit, for shading; on the outward side too
     vec3 tangent;           // unit or zero, along +u
     float bitangent_sign;   // of cross(normal, tangent)
-    vec2 uv;
-    uint face;      // of a cube, for textures that differ by face; NONE: of none
-    vec3 color;     // vertex colour
-    vec4 line;      // colour and strength of an outline that is drawn here
-    bool waves;     // of water in voxels (voxel_waves.h)
-    uint material;  // NONE: a mere interface
-    uint leaves;    // interiors on the side the ray comes from and goes to, as far as this surface decides them
+    vec4 uvs;               // two sets of texture coordinates
+    uint face;              // of a cube, for textures that differ by face; NONE: of none
+    vec3 color;             // vertex colour
+    vec4 line;              // colour and strength of an outline that is drawn here
+    bool waves;             // of water in voxels (voxel_waves.h)
+    uint material;          // NONE: a mere interface
+    uint leaves;            // interiors on the side the ray comes from and goes to, as far as this surface decides them
     uint enters;
     bool entering;  // the ray runs against the outward normal
     bool contact;   // another surface may be in the same place: see boundary.h
@@ -53,7 +53,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     s.color = vec3(1.0f);
     s.tangent = vec3(0.0f);
     s.bitangent_sign = 1.0f;
-    s.uv = hit.uv;
+    s.uvs = both_uvs(hit.uv);
     s.face = NONE;
     s.line = vec4(0.0f);
     s.waves = false;
@@ -84,7 +84,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
                 smooth_normal = true;
             }
         }
-        s.uv = mesh_uv(scene, mesh, info.vertices, weights);
+        s.uvs = mesh_uvs(scene, mesh, info.vertices, weights);
         if (mesh.tangent_first != NONE) {
             uvec3 i = info.vertices + mesh.tangent_first;
             vec4 t = mat3x4(scene.tangents.at[i.x], scene.tangents.at[i.y], scene.tangents.at[i.z]) * weights;
@@ -133,7 +133,8 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     } else if (instance.geometry_kind == GEOMETRY_SPHERE) {
         local = normalize(local);
         extent = 1.0f;
-        s.uv = vec2(atan(local.x, local.z) * (0.5f * INV_PI) + 0.5f, 1.0f - acos(clamp(local.y, -1.0f, 1.0f)) * INV_PI);
+        s.uvs = both_uvs(
+            vec2(atan(local.x, local.z) * (0.5f * INV_PI) + 0.5f, 1.0f - acos(clamp(local.y, -1.0f, 1.0f)) * INV_PI));
         tangent = vec3(local.z, 0.0f, -local.x);
     } else if (instance.geometry_kind == GEOMETRY_BOX) {
         uint axis = hit.primitive >> 1u;
@@ -143,7 +144,7 @@ FN Surface surface_at(const_in(SceneView) scene, Ray ray, const_in(Hit) hit) {
     } else if (instance.geometry_kind == GEOMETRY_PLANE) {
         local.y = 0.0f;
         extent = max(abs(local.x), abs(local.z));
-        s.uv = vec2(local.x, -local.z);
+        s.uvs = both_uvs(vec2(local.x, -local.z));
         tangent = vec3(1.0f, 0.0f, 0.0f);
     } else {
         local.y = 0.0f;
@@ -217,19 +218,27 @@ FN Bsdf surface_bsdf(const_in(SceneView) scene, const_in(Surface) s, float n_rat
     float roughness = m.roughness;
     float metallic = m.metallic;
     if (m.color_texture != NONE) {
-        vec4 t = texture_at(scene, m.color_texture, s.uv, s.face);
+        vec4 t = texture_at(scene, m.color_texture, s.uvs, s.face);
         color *= vec3(t.x, t.y, t.z);
     }
     color = mix(color, vec3(s.line.x, s.line.y, s.line.z), s.line.w);
-    if (m.roughness_texture != NONE) roughness *= texture_at(scene, m.roughness_texture, s.uv, s.face).y;
-    if (m.metallic_texture != NONE) metallic *= texture_at(scene, m.metallic_texture, s.uv, s.face).z;
+    if (m.roughness_texture != NONE) roughness *= texture_at(scene, m.roughness_texture, s.uvs, s.face).y;
+    if (m.metallic_texture != NONE) metallic *= texture_at(scene, m.metallic_texture, s.uvs, s.face).z;
     microfacet_begin(scene);
-    return make_bsdf(m, color, roughness, metallic, n_ratio);
+    if (m.coat_texture == NONE && m.coat_roughness_texture == NONE && m.transmission_texture == NONE)
+        return make_bsdf(m, color, roughness, metallic, n_ratio);
+    Material textured = m;
+    if (m.coat_texture != NONE) textured.coat *= texture_at(scene, m.coat_texture, s.uvs, s.face).x;
+    if (m.coat_roughness_texture != NONE)
+        textured.coat_roughness *= texture_at(scene, m.coat_roughness_texture, s.uvs, s.face).y;
+    if (m.transmission_texture != NONE)
+        textured.transmission *= texture_at(scene, m.transmission_texture, s.uvs, s.face).x;
+    return make_bsdf(textured, color, roughness, metallic, n_ratio);
 }
 
 FN float surface_opacity(const_in(SceneView) scene, const_in(Surface) s) {
     if (s.material == NONE) return 0.0f;
-    return material_opacity(scene, s.material, s.uv, s.face);
+    return material_opacity(scene, s.material, s.uvs, s.face);
 }
 
 // Radiance that the surface itself sends towards wo.
@@ -237,7 +246,7 @@ FN vec3 surface_emission(const_in(SceneView) scene, const_in(Surface) s) {
     if (s.material == NONE) return vec3(0.0f);
     if (is_black(scene.materials.at[s.material].emission)) return vec3(0.0f);
     if (!s.entering && scene.materials.at[s.material].emission_two_sided == 0u) return vec3(0.0f);
-    return material_emission(scene, s.material, s.uv, s.face);
+    return material_emission(scene, s.material, s.uvs, s.face);
 }
 
 // Shading frame whose z is on wo's side, the normal map applied; z is bent until wo stays above it.
@@ -249,7 +258,7 @@ FN Frame shading_frame(const_in(SceneView) scene, const_in(Surface) s, vec3 wo) 
         if (dot(t, t) > 1.0e-12f) {
             t = normalize(t);
             vec3 b = s.bitangent_sign * cross(n, t);
-            vec4 texel = texture_at(scene, map, s.uv, s.face);
+            vec4 texel = texture_at(scene, map, s.uvs, s.face);
             float scale = scene.materials.at[s.material].normal_scale;
             vec3 m = vec3((2.0f * texel.x - 1.0f) * scale, (2.0f * texel.y - 1.0f) * scale,
                           max(2.0f * texel.z - 1.0f, 0.01f));

@@ -19,7 +19,7 @@ FN int wrap_coordinate(int i, int size, uint wrap) {
 // Linear RGBA of one texel; (x, y) may lie outside, row 0 is the top.
 FN vec4 texel_at(const_in(SceneView) scene, const_in(Texture) t, int x, int y) {
     uint index =
-        uint(wrap_coordinate(y, int(t.height), t.wrap)) * t.width + uint(wrap_coordinate(x, int(t.width), t.wrap));
+        uint(wrap_coordinate(y, int(t.height), t.wrap_v)) * t.width + uint(wrap_coordinate(x, int(t.width), t.wrap_u));
     if (t.kind == TEXTURE_RGBA16F) {
         vec2 rg = unpackHalf2x16(scene.words.at[t.word_first + 2u * index]);
         vec2 ba = unpackHalf2x16(scene.words.at[t.word_first + 2u * index + 1u]);
@@ -70,12 +70,16 @@ FN vec4 face_texture_at(const_in(SceneView) scene, const_in(Texture) t, vec2 uv,
     return mix(upper, lower, b);
 }
 
-// uv: (0,0) is the lower left corner of the image. `face` of a cube that uv lies on, for textures that differ by face;
-// NONE: there is none.
-FN vec4 texture_at(const_in(SceneView) scene, uint index, vec2 uv, uint face) {
+// Where there is one set of texture coordinates only, it serves as the second as well.
+FN vec4 both_uvs(vec2 uv) { return vec4(uv.x, uv.y, uv.x, uv.y); }
+
+// uvs: two sets of texture coordinates (u, v, u, v); (0,0) is the lower left corner of the image. `face` of a cube that
+// they lie on, for textures that differ by face; NONE: there is none.
+FN vec4 texture_at(const_in(SceneView) scene, uint index, vec4 uvs, uint face) {
     RECORD(Texture) t = scene.textures.at[index];
+    vec2 uv = t.uv_set == 0u ? vec2(uvs.x, uvs.y) : vec2(uvs.z, uvs.w);
     if (t.face_first != NONE) return face_texture_at(scene, t, uv, min(face, 5u));
-    vec2 st = uv * t.scale + t.offset;
+    vec2 st = vec2(dot(t.row_u, uv), dot(t.row_v, uv)) + t.offset;
     if (t.kind == TEXTURE_CHECKER) {
         // Beyond this a float has no fraction left, and int no value.
         if (!(abs(st.x) < 1.0e6f) || !(abs(st.y) < 1.0e6f)) return vec4(0.5f * (t.color_a + t.color_b), 1.0f);

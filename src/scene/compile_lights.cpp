@@ -62,7 +62,7 @@ void add_mesh_lights(CompiledScene& out, const kernels::SceneView& view, uint in
             for (int a = 0; a <= 4; ++a)
                 for (int b = 0; a + b <= 4; ++b)
                     sum += kernels::material_emission(
-                        view, material, kernels::light_uv(view, light, vec2(float(a), float(b)) / 4.0f), NONE);
+                        view, material, kernels::light_uvs(view, light, vec2(float(a), float(b)) / 4.0f), NONE);
             if (kernels::is_black(sum)) continue;
             light.radiance = sum / 15.0f;
         }

@@ -7,20 +7,12 @@
 #include "image/tone_map.h"
 #include "kernels/texture.h"
 #include "scene/compilation.h"
+#include "scene/texture_place.h"
 
 namespace spinel {
 namespace {
 
 using kernels::uint;
-
-uint kernel_wrap(Wrap wrap) {
-    switch (wrap) {
-        case Wrap::clamp: return kernels::WRAP_CLAMP;
-        case Wrap::mirror: return kernels::WRAP_MIRROR;
-        case Wrap::repeat: break;
-    }
-    return kernels::WRAP_REPEAT;
-}
 
 // One- and two-channel images are grey and grey with alpha.
 template <class T>
@@ -90,8 +82,12 @@ Result<kernels::Texture> picture_record(const PictureTexture& picture, std::vect
 Result<kernels::Texture> image_record(const ImageTexture& image, std::vector<uint>& words, TexelsOf& known) {
     Result<kernels::Texture> t = picture_record(image, words, known);
     if (!t) return t;
-    t->wrap = kernel_wrap(image.wrap);
-    t->scale = image.scale;
+    const TexturePlace place = texture_place(image);
+    t->wrap_u = place.wrap_u;
+    t->wrap_v = place.wrap_v;
+    t->uv_set = uint(image.uv_set);
+    t->row_u = place.row_u;
+    t->row_v = place.row_v;
     t->offset = image.offset;
     return t;
 }
@@ -101,7 +97,7 @@ Result<kernels::Texture> face_record(const FaceTexture& faces, std::vector<uint>
     if (!t) return t;
     const Result<uint> first = pool_place(words.size(), 24, WORDS);
     if (!first) return first.error();
-    t->wrap = kernels::WRAP_CLAMP;
+    t->wrap_u = t->wrap_v = kernels::WRAP_CLAMP;
     t->face_first = *first;
     for (const glm::ivec4& rectangle : faces.faces)
         for (int i = 0; i < 4; ++i) words.push_back(uint(rectangle[i]));
@@ -112,7 +108,8 @@ kernels::Texture checker_record(const CheckerTexture& checker) {
     kernels::Texture t = {};
     t.kind = kernels::TEXTURE_CHECKER;
     t.face_first = kernels::NONE;
-    t.scale = checker.scale;
+    t.row_u = {checker.scale.x, 0};
+    t.row_v = {0, checker.scale.y};
     t.offset = checker.offset;
     t.color_a = checker.color_a;
     t.color_b = checker.color_b;

@@ -7,15 +7,10 @@
 #include "image/palette.h"
 #include "image/pixels.h"
 #include "kernels/texture.h"
+#include "scene/texture_place.h"
 
 namespace spinel {
 namespace {
-
-kernels::uint kernel_wrap(Wrap wrap) {
-    return wrap == Wrap::clamp    ? kernels::WRAP_CLAMP
-           : wrap == Wrap::mirror ? kernels::WRAP_MIRROR
-                                  : kernels::WRAP_REPEAT;
-}
 
 vec4 source_texel(const ImageTexture& image, int x, int y) {
     const PixelBuffer& pixels = *image.pixels;
@@ -81,7 +76,8 @@ vec4 HostTexture::at(vec2 uv, float footprint) const {
         return vec4(even ? checker->color_a : checker->color_b, 1);
     }
     const auto& image = std::get<ImageTexture>(texture_.data);
-    const vec2 st = uv * image.scale + image.offset;
+    const TexturePlace place = texture_place(image);
+    const vec2 st = vec2(glm::dot(place.row_u, uv), glm::dot(place.row_v, uv)) + image.offset;
     const float texels = footprint * std::max(std::abs(image.scale.x) * float(image.pixels->width),
                                               std::abs(image.scale.y) * float(image.pixels->height));
     const int level = texels > 1 ? std::clamp(int(std::lround(std::log2(texels))), 0, int(levels_.size())) : 0;
@@ -89,9 +85,13 @@ vec4 HostTexture::at(vec2 uv, float footprint) const {
     const int height = level == 0 ? image.pixels->height : levels_[std::size_t(level - 1)].height;
     const float x = st.x * float(width), y = (1 - st.y) * float(height);
     if (!(std::abs(x) < 1e9f && std::abs(y) < 1e9f)) return vec4(0, 0, 0, 1);
-    const kernels::uint wrap = kernel_wrap(image.wrap);
-    return texel(level, kernels::wrap_coordinate(int(std::floor(x)), width, wrap),
-                 kernels::wrap_coordinate(int(std::floor(y)), height, wrap));
+    return texel(level, kernels::wrap_coordinate(int(std::floor(x)), width, place.wrap_u),
+                 kernels::wrap_coordinate(int(std::floor(y)), height, place.wrap_v));
+}
+
+int HostTexture::uv_set() const {
+    const auto* image = std::get_if<ImageTexture>(&texture_.data);
+    return image ? image->uv_set : 0;
 }
 
 }  // namespace spinel

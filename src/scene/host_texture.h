@@ -15,6 +15,8 @@ class HostTexture {
     // `footprint`: the edge, in uv, of the square that is averaged over; the nearest texel of the level that fits.
     vec4 at(vec2 uv, float footprint) const;
 
+    int uv_set() const;  // that `uv` belongs to
+
   private:
     struct Level {
         int width, height;

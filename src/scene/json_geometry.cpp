@@ -64,6 +64,7 @@ MeshGeometry read_mesh(JsonContext& context, const JsonValue& value, const std::
     mesh.positions = read_vectors<vec3>(context, positions, 3, of("positions", what));
     mesh.normals = read_vectors<vec3>(context, value.find("normals"), 3, of("normals", what));
     mesh.uvs = read_vectors<vec2>(context, value.find("uvs"), 2, of("uvs", what));
+    mesh.second_uvs = read_vectors<vec2>(context, value.find("second_uvs"), 2, of("second_uvs", what));
     mesh.tangents = read_vectors<vec4>(context, value.find("tangents"), 4, of("tangents", what));
     mesh.colors = read_vectors<vec4>(context, value.find("colors"), 4, of("colors", what));
     mesh.slots = read_integers<std::uint32_t>(context, value.find("slots"), 65535, of("slots", what));
@@ -327,8 +328,8 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
     const JsonValue* file = record->find("file") ? value.find("file") : nullptr;
     if (file) {
         const bool alone = has_no(context, value,
-                                  {"positions", "triangles", "normals", "uvs", "tangents", "colors", "slots", "size",
-                                   "cells", "layers", "values", "transform"},
+                                  {"positions", "triangles", "normals", "uvs", "second_uvs", "tangents", "colors",
+                                   "slots", "size", "cells", "layers", "values", "transform"},
                                   what, "file");
         if (!alone) return {};
         parts.from_file = true;

@@ -222,6 +222,7 @@ class Writer {
             value["triangles"] = indices(mesh->triangles);
             if (!mesh->normals.empty()) value["normals"] = vectors(mesh->normals);
             if (!mesh->uvs.empty()) value["uvs"] = vectors(mesh->uvs);
+            if (!mesh->second_uvs.empty()) value["second_uvs"] = vectors(mesh->second_uvs);
             if (!mesh->tangents.empty()) value["tangents"] = vectors(mesh->tangents);
             if (!mesh->colors.empty()) value["colors"] = vectors(mesh->colors);
             if (!mesh->slots.empty()) value["slots"] = mesh->slots;

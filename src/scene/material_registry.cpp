@@ -62,12 +62,7 @@ std::span<const MaterialParameter> common_material_parameters() { return common_
 
 kernels::Material default_material(kernels::uint kind) {
     Material material{};
-    material.color_texture = kernels::NONE;
-    material.roughness_texture = kernels::NONE;
-    material.metallic_texture = kernels::NONE;
-    material.emission_texture = kernels::NONE;
-    material.normal_texture = kernels::NONE;
-    material.opacity_texture = kernels::NONE;
+    for (const auto member : material_texture_members) material.*member = kernels::NONE;
     material.interior = kernels::NONE;
     material.kind = kind;
     material.edge_color = glm::vec3(1.0f);  // members that a kind does not use still hold sane values

@@ -28,6 +28,15 @@ const MaterialInfo* find_material_info(kernels::uint kind);
 // What every kind understands besides its own parameters: emission, opacity, normal map.
 std::span<const MaterialParameter> common_material_parameters();
 
+// The members that are textures.
+inline constexpr kernels::uint kernels::Material::*material_texture_members[] = {
+    &kernels::Material::color_texture,        &kernels::Material::roughness_texture,
+    &kernels::Material::metallic_texture,     &kernels::Material::emission_texture,
+    &kernels::Material::normal_texture,       &kernels::Material::opacity_texture,
+    &kernels::Material::coat_texture,         &kernels::Material::coat_roughness_texture,
+    &kernels::Material::transmission_texture,
+};
+
 // Defaults of the kind; every texture and the interior NONE.
 kernels::Material default_material(kernels::uint kind);
 

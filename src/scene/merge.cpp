@@ -2,6 +2,8 @@
 
 #include <iterator>
 
+#include "scene/material_registry.h"
+
 namespace spinel {
 namespace {
 
@@ -23,9 +25,7 @@ void shift(int& index, std::size_t by) {
 std::vector<Object> merge_model(Scene& scene, Scene model) {
     for (Material& material : model.materials) {
         kernels::Material& m = material.values;
-        for (kernels::uint* texture : {&m.color_texture, &m.roughness_texture, &m.metallic_texture, &m.emission_texture,
-                                       &m.normal_texture, &m.opacity_texture})
-            shift(*texture, scene.textures.size());
+        for (const auto member : material_texture_members) shift(m.*member, scene.textures.size());
         shift(m.interior, scene.media.size());
     }
     for (Medium& medium : model.media)

@@ -11,6 +11,10 @@ struct ChoiceNames<Wrap> {
     static constexpr std::string_view names[] = {"repeat", "clamp", "mirror"};
 };
 template <>
+struct ChoiceNames<WrapV> {
+    static constexpr std::string_view names[] = {"same", "repeat", "clamp", "mirror"};
+};
+template <>
 struct ChoiceNames<VoxelOutlines::Where> {
     static constexpr std::string_view names[] = {"voxels", "changes", "shape"};
 };
@@ -361,17 +365,23 @@ const Family& texture_family() {
     static const Family table{
         "texture",
         {
-            record<ImageTexture>("image", "A picture over uv; row 0, its top, lies at v = 1.",
-                                 {
-                                     required(by_hand("file", "path", "Picture, relative to the scene file.")),
-                                     field("srgb", &ImageTexture::srgb,
-                                           "Whether 8-bit colours are sRGB-encoded; false for data such as normals and "
-                                           "roughness."),
-                                     field("filter", &ImageTexture::filter, "Look-up between pixels."),
-                                     field("wrap", &ImageTexture::wrap, "What lies outside of [0, 1]²."),
-                                     field("scale", &ImageTexture::scale, "Multiplies uv."),
-                                     field("offset", &ImageTexture::offset, "Added to uv after `scale`."),
-                                 }),
+            record<ImageTexture>(
+                "image", "A picture over uv; row 0, its top, lies at v = 1.",
+                {
+                    required(by_hand("file", "path", "Picture, relative to the scene file.")),
+                    field("srgb", &ImageTexture::srgb,
+                          "Whether 8-bit colours are sRGB-encoded; false for data such as normals and "
+                          "roughness."),
+                    field("filter", &ImageTexture::filter, "Look-up between pixels."),
+                    field("wrap", &ImageTexture::wrap, "What lies outside of [0, 1]²."),
+                    field("wrap_v", &ImageTexture::wrap_v, "The same, along v alone."),
+                    field("uv_set", &ImageTexture::uv_set,
+                          "Which texture coordinates of a mesh: 0, its `uvs`, or 1, its `second_uvs`.", {0, 1}),
+                    field("scale", &ImageTexture::scale, "Multiplies uv."),
+                    field("rotation", &ImageTexture::rotation,
+                          "Turns uv counter-clockwise about (0, 0), after `scale`.", any, "degrees"),
+                    field("offset", &ImageTexture::offset, "Added to uv last."),
+                }),
             record<CheckerTexture>("checker", "Two colours in squares.",
                                    {
                                        color("color_a", &CheckerTexture::color_a, "Colour of the square at uv = 0."),
@@ -509,6 +519,7 @@ const Family& geometry_family() {
                     by_hand("triangles", "index3_list", "Three vertex indices each, from 0."),
                     by_hand("normals", "vec3_list", "One a vertex; without them faces are flat."),
                     by_hand("uvs", "vec2_list", "One a vertex."),
+                    by_hand("second_uvs", "vec2_list", "One a vertex, for textures whose `uv_set` is 1."),
                     by_hand("tangents", "vec4_list", "One a vertex; the fourth number is the bitangent's sign."),
                     by_hand("colors", "vec4_list", "One a vertex, linear; multiply the material's colour."),
                     by_hand("slots", "index_list", "Material slot of each triangle; all 0 without."),

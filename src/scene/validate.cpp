@@ -55,10 +55,12 @@ Fault mesh_fault(const MeshGeometry& mesh) {
     };
     if (auto f = miscounted("normals", mesh.normals.size(), vertex_count)) return f;
     if (auto f = miscounted("uvs", mesh.uvs.size(), vertex_count)) return f;
+    if (auto f = miscounted("second_uvs", mesh.second_uvs.size(), vertex_count)) return f;
     if (auto f = miscounted("tangents", mesh.tangents.size(), vertex_count)) return f;
     if (auto f = miscounted("colors", mesh.colors.size(), vertex_count)) return f;
     if (auto f = miscounted("slots", mesh.slots.size(), mesh.triangles.size())) return f;
-    if (!all_finite(mesh.normals) || !all_finite(mesh.uvs) || !all_finite(mesh.tangents) || !all_finite(mesh.colors))
+    if (!all_finite(mesh.normals) || !all_finite(mesh.uvs) || !all_finite(mesh.second_uvs) ||
+        !all_finite(mesh.tangents) || !all_finite(mesh.colors))
         return "has a normal, uv, tangent or colour that is not finite";
     return {};
 }
@@ -125,9 +127,8 @@ overloaded(Functions...) -> overloaded<Functions...>;  // clang 16 does not dedu
 // Of a material, by the sizes of what it refers to.
 Fault material_fault(const kernels::Material& m, const Scene& scene) {
     if (!find_material_info(m.kind)) return "is of a kind that is not there";
-    for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture, m.emission_texture,
-                                        m.normal_texture, m.opacity_texture})
-        if (texture != kernels::NONE && texture >= scene.textures.size())
+    for (const auto member : material_texture_members)
+        if (m.*member != kernels::NONE && m.*member >= scene.textures.size())
             return "refers to a texture that is not there";
     if (m.interior != kernels::NONE && m.interior >= scene.media.size()) return "refers to a medium that is not there";
     if (!at_least_zero(m.color) || !at_least_zero(m.absorption) || !at_least_zero(m.emission) ||
@@ -137,6 +138,9 @@ Fault material_fault(const kernels::Material& m, const Scene& scene) {
     if (!(m.metallic >= 0 && m.metallic <= 1)) return "has metallic outside of 0 … 1";
     if (!(m.opacity >= 0 && m.opacity <= 1)) return "has opacity outside of 0 … 1";
     if (!above_zero(m.ior)) return "has an index of refraction that is not above 0";
+    if (!(m.coat >= 0 && m.coat <= 1) || !(m.coat_roughness >= 0 && m.coat_roughness <= 1))
+        return "has coat or coat_roughness outside of 0 … 1";
+    if (!(m.transmission >= 0 && m.transmission <= 1)) return "has transmission outside of 0 … 1";
     if (!finite(m.normal_scale)) return "has a normal_scale that is not finite";
     return {};
 }
@@ -159,9 +163,8 @@ Fault look_fault(const Object& object, const Scene& scene, std::uint32_t slots) 
         const std::string called = material < 0 ? "nothing" : "\"" + scene.materials[std::size_t(material)].name + "\"";
         if (!cubes && material >= 0) {
             const kernels::Material& m = scene.materials[std::size_t(material)].values;
-            for (const kernels::uint texture : {m.color_texture, m.roughness_texture, m.metallic_texture,
-                                                m.emission_texture, m.normal_texture, m.opacity_texture})
-                if (texture != kernels::NONE && std::holds_alternative<FaceTexture>(scene.textures[texture].data))
+            for (const auto member : material_texture_members)
+                if (m.*member != kernels::NONE && std::holds_alternative<FaceTexture>(scene.textures[m.*member].data))
                     return "is a " + std::string(kind_name(geometry)) + " of material " + called +
                            ", whose texture of type \"faces\" is for voxels and boxes only";
         }
@@ -400,8 +403,9 @@ Fault fault(const EnvironmentData& environment) {
 Fault fault(const Texture& texture) {
     return std::visit(overloaded{
                           [](const ImageTexture& image) -> Fault {
-                              if (!finite(image.scale) || !finite(image.offset))
-                                  return "has a scale or offset that is not finite";
+                              if (!finite(image.scale) || !finite(image.rotation) || !finite(image.offset))
+                                  return "has a scale, rotation or offset that is not finite";
+                              if (image.uv_set < 0 || image.uv_set > 1) return "has uv_set outside of 0 … 1";
                               return pixels_fault(image.pixels);
                           },
                           [](const CheckerTexture& checker) -> Fault {

@@ -47,12 +47,8 @@ bool has_color_texture(const Material& m) { return m.values.color_texture != NON
 
 // The material that a cell shows, in one plain colour.
 kernels::Material without_textures(kernels::Material m) {
-    m.color_texture = m.roughness_texture = m.metallic_texture = NONE;
-    m.normal_texture = m.opacity_texture = NONE;
-    if (m.emission_texture != NONE) {
-        m.emission = vec3(0);
-        m.emission_texture = NONE;
-    }
+    if (m.emission_texture != NONE) m.emission = vec3(0);
+    for (const auto member : material_texture_members) m.*member = NONE;
     return m;
 }
 
@@ -323,20 +319,19 @@ class Voxeliser {
             vec4 value(m.color, 1);
             if (!mesh.colors.empty())
                 value *= vec4(vec3(mesh.colors[t.x] * w.x + mesh.colors[t.y] * w.y + mesh.colors[t.z] * w.z), 1);
-            if (slot.color || slot.opacity) {
-                vec2 uv(0);
-                float footprint = 0;
-                if (!mesh.uvs.empty()) {
-                    const vec2 ua = mesh.uvs[t.x], ub = mesh.uvs[t.y], uc = mesh.uvs[t.z];
-                    uv = ua * w.x + ub * w.y + uc * w.z;
-                    const double area = glm::length(glm::cross(b - a, c - a));  // in faces of cells, twice
-                    const vec2 d1 = ub - ua, d2 = uc - ua;
-                    const double uv_area = std::abs(double(d1.x) * d2.y - double(d1.y) * d2.x);
-                    footprint = area > 0 ? float(std::sqrt(uv_area / area)) : 0;
-                }
-                if (slot.color) value *= vec4(vec3(slot.color->at(uv, footprint)), 1);
-                if (slot.opacity) value.w = slot.opacity->at(uv, footprint).w;
-            }
+            const auto texel = [&](const HostTexture& texture) {
+                const bool second = texture.uv_set() == 1 && !mesh.second_uvs.empty();
+                const std::vector<vec2>& uvs = second ? mesh.second_uvs : mesh.uvs;
+                if (uvs.empty()) return texture.at(vec2(0), 0);
+                const vec2 ua = uvs[t.x], ub = uvs[t.y], uc = uvs[t.z];
+                const double area = glm::length(glm::cross(b - a, c - a));  // in faces of cells, twice
+                const vec2 d1 = ub - ua, d2 = uc - ua;
+                const double uv_area = std::abs(double(d1.x) * d2.y - double(d1.y) * d2.x);
+                const float footprint = area > 0 ? float(std::sqrt(uv_area / area)) : 0;
+                return texture.at(ua * w.x + ub * w.y + uc * w.z, footprint);
+            };
+            if (slot.color) value *= vec4(vec3(texel(*slot.color)), 1);
+            if (slot.opacity) value.w = texel(*slot.opacity).w;
             return value;
         };
 

@@ -21,6 +21,7 @@ TEST(Compile, a_mesh_takes_room_for_the_attributes_that_it_has_only) {
     textured.uvs = {{0, 0}, {1, 0}, {0, 1}};
     textured.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     painted.uvs = {{2, 0}, {3, 0}, {2, 1}};
+    painted.second_uvs = {{4, 0}, {5, 0}, {4, 1}};
     painted.colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}};
     scene.geometries = {{"bare", bare}, {"textured", textured}, {"painted", painted}};
     scene.materials.push_back({"grey", default_material(kernels::MATERIAL_DIFFUSE)});
@@ -44,8 +45,11 @@ TEST(Compile, a_mesh_takes_room_for_the_attributes_that_it_has_only) {
     EXPECT_EQ(meshes[2].normal_first, kernels::NONE);
     EXPECT_EQ(meshes[2].uv_first, 3u);
     EXPECT_EQ(meshes[2].color_first, 0u);
-    ASSERT_EQ(compiled->uvs.size(), 6u);
+    EXPECT_EQ(meshes[1].second_uv_first, kernels::NONE);
+    EXPECT_EQ(meshes[2].second_uv_first, 6u);
+    ASSERT_EQ(compiled->uvs.size(), 9u);
     EXPECT_EQ(compiled->uvs[4], vec2(3, 0));
+    EXPECT_EQ(compiled->uvs[7], vec2(5, 0));
 }
 
 TEST(Compile, pools_end_where_32_bit_indices_do) {

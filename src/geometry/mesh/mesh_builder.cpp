@@ -65,6 +65,8 @@ Result<void> validate_mesh(const MeshGeometry& mesh) {
     }
     if (auto r = check_size("normals", mesh.normals.size(), "vertices", vertex_count); !r) return r;
     if (auto r = check_size("texture coordinates", mesh.uvs.size(), "vertices", vertex_count); !r) return r;
+    if (auto r = check_size("second texture coordinates", mesh.second_uvs.size(), "vertices", vertex_count); !r)
+        return r;
     if (auto r = check_size("tangents", mesh.tangents.size(), "vertices", vertex_count); !r) return r;
     if (auto r = check_size("colours", mesh.colors.size(), "vertices", vertex_count); !r) return r;
     return check_size("material slots", mesh.slots.size(), "triangles", mesh.triangles.size());

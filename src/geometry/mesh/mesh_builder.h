@@ -68,6 +68,7 @@ Result<kernels::Mesh> append_mesh(Pools& out, const MeshGeometry& mesh, const Me
         {record.triangle_first, append_pool(out.triangles, data.triangles, "triangles")},
         {record.normal_first, stream(out.normals, mesh.normals, "normals of vertices")},
         {record.uv_first, stream(out.uvs, mesh.uvs, "texture coordinates of vertices")},
+        {record.second_uv_first, stream(out.uvs, mesh.second_uvs, "texture coordinates of vertices")},
         {record.tangent_first, stream(out.tangents, mesh.tangents, "tangents of vertices")},
         {record.color_first, stream(out.colors, mesh.colors, "colours of vertices")}};
     for (const auto& [first, place] : places) {
