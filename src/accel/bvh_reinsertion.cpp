@@ -14,7 +14,7 @@ namespace {
 using Node = PairTree::Node;
 
 constexpr int most_rounds = 12;
-constexpr double least_gain = 0.005;   // of a round, as a part of the tree's cost
+constexpr double least_gain = 0.005;  // of a round, as a part of the tree's cost
 constexpr int most_candidates = 300;  // for one node: where everything overlaps, all places would be looked at
 
 Bounds both(const Bounds& a, const Bounds& b) {

@@ -51,14 +51,31 @@ const Model models[] = {{"bunny", "stanford/bun_zipper.ply.gz", read_gzipped_ply
                         {"dragon", "stanford/dragon_vrip.ply.gz", read_gzipped_ply},
                         {"teapot", "common/teapot.obj", read_mesh}};
 
+struct ClosedModel {
+    MeshGeometry mesh;
+    std::vector<vec3> inside;
+};
+
+// Closed and searched once for all tests; null without the file.
+const ClosedModel* closed_model(const Model& model) {
+    static std::map<std::string, ClosedModel> known;
+    if (const auto at = known.find(model.name); at != known.end()) return &at->second;
+    const auto open = model.read(mesh_folder / model.file);
+    if (!open) return nullptr;
+    ClosedModel& made = known[model.name];
+    made.mesh = closed(*open);
+    made.inside = points_inside(made.mesh, 24);
+    return &made;
+}
+
 // A third of the rays go anywhere, a third to vertices, a third to points of edges.
 void expect_nothing_escapes(const AcceleratorSettings& accelerator, std::size_t ray_count) {
     for (const Model& model : models) {
         SCOPED_TRACE(model.name);
-        const auto open = model.read(mesh_folder / model.file);
-        if (!open) GTEST_SKIP() << "needs shared/data/mesh/" << model.file << " beside the source tree";
-        const MeshGeometry mesh = closed(*open);
-        const std::vector<vec3> origins = points_inside(mesh, 24);
+        const ClosedModel* known = closed_model(model);
+        if (!known) GTEST_SKIP() << "needs shared/data/mesh/" << model.file << " beside the source tree";
+        const MeshGeometry& mesh = known->mesh;
+        const std::vector<vec3>& origins = known->inside;
         ASSERT_GE(origins.size(), 8u);
         TestScene parts;
         parts.place(kernels::GEOMETRY_MESH, parts.add(mesh, accelerator));
