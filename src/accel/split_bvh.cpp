@@ -31,7 +31,9 @@ struct alignas(16) Reference {
     std::uint32_t unused;
 
     Bounds bounds() const { return {Float4::load(&lower.x), Float4::load(&upper.x)}; }
-    Float4 center2() const { return Float4::load(&lower.x) + Float4::load(&upper.x); }  // twice the centre
+    Float4 center() const {  // halved first: the sum may be beyond what floats hold
+        return Float4::load(&lower.x) * Float4(0.5f) + Float4::load(&upper.x) * Float4(0.5f);
+    }
 };
 static_assert(sizeof(Reference) == 32);
 
@@ -39,7 +41,7 @@ static_assert(sizeof(Reference) == 32);
 struct Record {
     std::span<Reference> references;
     Bounds bounds;
-    Bounds centers;          // twice
+    Bounds centers;
     std::size_t growth = 0;  // how many more references the subtree may come to
     int depth = 0;
 };
@@ -64,16 +66,18 @@ struct Binning {
     int count;
     Float4 offset, scale;  // scale 0: positions do not spread along that axis
 
-    Binning(const Bounds& range, int bins) : count(bins), offset(range.lower), scale(0.0f) {
-        auto s = lanes_of(range.upper - range.lower);
-        for (float& x : s) {
+    Binning(const Bounds& range, int bins) : count(bins), offset(0.0f), scale(0.0f) {
+        const auto extent = lanes_of(range.upper - range.lower), from = lanes_of(range.lower);
+        alignas(16) float scales[4] = {}, offsets[4] = {};
+        for (std::size_t a = 0; a < 3; ++a) {
             // A hair less than `bins`, so that the last position is in the last bin.
-            x = 0.9999f * float(bins) / x;
-            if (!std::isfinite(x)) x = 0;
+            const float s = 0.9999f * float(bins) / extent[a];
+            if (!(std::isfinite(s) && s > 0)) continue;  // also where the extent is infinite
+            scales[a] = s;
+            offsets[a] = from[a];
         }
-        s[3] = 0;
-        alignas(16) float lanes[4] = {s[0], s[1], s[2], 0};
-        scale = Float4::load(lanes);
+        scale = Float4::load(scales);
+        offset = Float4::load(offsets);
     }
     void bins_of(Float4 position, int bins[4]) const { store_truncated((position - offset) * scale, bins); }
 };
@@ -99,7 +103,7 @@ class Builder {
         const std::size_t count = record.references.size();
         if (count <= options_.min_leaf) return make_leaf(node, record);
         // As many levels as halving needs are kept in reserve, which bounds the depth whatever the input.
-        const bool balance = record.depth + ceil_log2(count) >= int(kernels::BVH_MAX_DEPTH);
+        const bool balance = record.depth + ceil_log2(count) >= options_.max_depth;
         Split split;
         if (!balance) split = best_split(record);
         const float leaf_cost = blocks(count);
@@ -203,7 +207,7 @@ class Builder {
             }
         for (const Reference& reference : record.references) {
             alignas(16) int at[4];
-            binning.bins_of(reference.center2(), at);
+            binning.bins_of(reference.center(), at);
             const Bounds b = reference.bounds();
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 bins[axis][std::size_t(at[axis])].extend(b);
@@ -275,7 +279,7 @@ class Builder {
 
     static void extend(Record& record, const Reference& reference) {
         record.bounds.extend(reference.bounds());
-        record.centers.extend(reference.center2());
+        record.centers.extend(reference.center());
     }
 
     void partition(Record& record, const Split& split, Record& left, Record& right) const {
@@ -286,7 +290,7 @@ class Builder {
         const float offset = lanes_of(binning.offset)[std::size_t(axis)],
                     scale = lanes_of(binning.scale)[std::size_t(axis)];
         const auto goes_left = [&](const Reference& reference) {  // as bins_of()
-            return int((reference.lower[axis] + reference.upper[axis] - offset) * scale) < split.bin;
+            return int((reference.lower[axis] * 0.5f + reference.upper[axis] * 0.5f - offset) * scale) < split.bin;
         };
         for (;;) {
             while (begin < end && goes_left(*begin)) extend(left, *begin++);
@@ -455,7 +459,7 @@ Bvh build_split_bvh(std::span<const Box> boxes, const SplitBvhOptions& options, 
         if (!usable) continue;
         references.push_back({lower, std::uint32_t(i), upper, 0});
         root.bounds.extend(references.back().bounds());
-        root.centers.extend(references.back().center2());
+        root.centers.extend(references.back().center());
     }
     if (references.empty()) return {};
     root.references = references;

@@ -18,6 +18,7 @@ struct SplitBvhOptions {
     std::uint32_t min_leaf = 4;
     float traversal_cost = 1.0f;  // of one interior node, in tests of blocks
     int bin_count = 16;           // at most 32
+    int max_depth = int(kernels::BVH_MAX_DEPTH);
     float spatial_growth = 0.0f;  // references beyond the number of primitives, as a part of it; 0: none
     // Spatial splits are tried in nodes of so many references where the children's boxes share so much of the node's
     // area, and of the root's.

@@ -70,13 +70,14 @@ class Collapse {
             c.first = std::min(l.first, r.first);
             c.count = l.count + r.count;
             for (std::uint32_t i = 2; i <= width; ++i) {
-                c.cost[i - 1] = std::numeric_limits<float>::infinity();
-                c.left[i - 1] = 1;  // also where areas are beyond what floats hold, and no cost is less than another
+                // The number of children on the left stands in the last bits of the cost, so that the least of all is
+                // found without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
+                std::uint32_t least = ~0u;
                 for (std::uint32_t k = 1; k < i; ++k)
-                    if (const float cost = l.cost[k - 1] + r.cost[i - k - 1]; cost < c.cost[i - 1]) {
-                        c.cost[i - 1] = cost;
-                        c.left[i - 1] = std::uint8_t(k);
-                    }
+                    least =
+                        std::min(least, (std::bit_cast<std::uint32_t>(l.cost[k - 1] + r.cost[i - k - 1]) & ~7u) | k);
+                c.cost[i - 1] = std::bit_cast<float>(least & ~7u);
+                c.left[i - 1] = std::uint8_t(least & 7u);
             }
             const float as_node = area * options_.node_cost + c.cost[width - 1];
             const bool fits = blocks_for(c.count) <= options_.max_leaf_blocks;
@@ -123,6 +124,8 @@ class Collapse {
         std::uint32_t count;
         std::array<std::uint32_t, width> children;    // in the binary tree
         std::array<std::uint32_t, width> references;  // as kernels::WideUnit tells
+        std::array<std::uint32_t, width> firsts;      // of leaves, primitives in the order of the binary tree …
+        std::array<std::uint32_t, width> counts;      // … and how many; 0: a node
         std::uint32_t unit;
     };
 
@@ -130,9 +133,18 @@ class Collapse {
     // triangle, where one is met soonest. (Measured against the binary tree's order: 1.1 to 1.9 times as fast in
     // rooms.)
     void sort(std::array<std::uint32_t, width>& children, std::uint32_t count) const {
-        const auto promise = [this](std::uint32_t n) { return half_area(binary_.nodes[n]) / float(choices_[n].count); };
-        std::stable_sort(children.begin(), children.begin() + count,
-                         [&](std::uint32_t a, std::uint32_t b) { return promise(a) > promise(b); });
+        std::array<float, width> promises;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t child = children[i];
+            const float promise = half_area(binary_.nodes[child]) / float(choices_[child].count);
+            std::uint32_t at = i;
+            for (; at > 0 && promises[at - 1] < promise; --at) {
+                promises[at] = promises[at - 1];
+                children[at] = children[at - 1];
+            }
+            promises[at] = promise;
+            children[at] = child;
+        }
     }
 
     // Nodes in depth-first order, each followed by its leaves' blocks.
@@ -144,6 +156,7 @@ class Collapse {
         auto& statistics = out_.statistics;
         std::size_t next = 0;
         std::vector<Pending> stack{{0, 0, 0, width}};
+        places_.reserve(binary_.nodes.size() / 8 + 1);
         while (!stack.empty()) {
             const Pending pending = stack.back();
             stack.pop_back();
@@ -159,6 +172,8 @@ class Collapse {
             next += kernels::WIDE_NODE_UNITS;
             for (std::uint32_t i = 0; i < place.count; ++i) {
                 const Choice& c = choices_[place.children[i]];
+                place.firsts[i] = c.first;
+                place.counts[i] = c.leaf ? c.count : 0;
                 if (!c.leaf) continue;
                 const std::uint32_t blocks = blocks_for(c.count);
                 place.references[i] = blocks << 28 | std::uint32_t(next);
@@ -167,8 +182,7 @@ class Collapse {
                 statistics.block_count += blocks;
             }
             for (std::uint32_t i = place.count; i-- > 0;)
-                if (!choices_[place.children[i]].leaf)
-                    stack.push_back({place.children[i], pending.depth + 1, index, i});
+                if (place.counts[i] == 0) stack.push_back({place.children[i], pending.depth + 1, index, i});
         }
         statistics.node_count = std::uint32_t(places_.size());
         out_.units.resize(next);
@@ -176,7 +190,11 @@ class Collapse {
 
     void write() {
         parallel_for(places_.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) write_node(places_[i]);
+            for (std::size_t i = begin; i < end; ++i) {
+                if (i + 4 < end) prefetch_order(places_[i + 4]);
+                if (i + 2 < end) prefetch(places_[i + 2]);
+                write_node(places_[i]);
+            }
         });
     }
 
@@ -191,24 +209,39 @@ class Collapse {
             units[6].lanes[i] = std::bit_cast<float>(place.references[i]);
         }
         for (std::uint32_t i = 0; i < place.count; ++i) {
-            const Choice& c = choices_[place.children[i]];
-            if (!c.leaf) continue;
+            const std::uint32_t count = place.counts[i];
             kernels::WideUnit* block = &out_.units[place.references[i] & 0xfffffffu];
-            for (std::uint32_t first = 0; first < c.count; first += block_size, block += kernels::WIDE_BLOCK_UNITS)
-                write_block(block->lanes, c.first + first, std::min(block_size, c.count - first));
+            for (std::uint32_t first = 0; first < count; first += block_size, block += kernels::WIDE_BLOCK_UNITS)
+                write_block(block->lanes, place.firsts[i] + first, std::min(block_size, count - first));
         }
     }
 
     void write_block(float* rows, std::uint32_t first, std::uint32_t count) {
+        std::array<std::uint32_t, block_size> indices;
+        std::array<const float*, block_size> t;
         for (std::uint32_t lane = 0; lane < block_size; ++lane) {
-            const std::uint32_t triangle = binary_.order[first + std::min(lane, count - 1)];
-            const kernels::Triangle& t = triangles_[triangle];
-            for (std::uint32_t axis = 0; axis < 3; ++axis) {
-                rows[axis * block_size + lane] = t.a[int(axis)];
-                rows[(3 + axis) * block_size + lane] = t.b[int(axis)];
-                rows[(6 + axis) * block_size + lane] = t.c[int(axis)];
+            indices[lane] = binary_.order[first + std::min(lane, count - 1)];
+            t[lane] = &triangles_[indices[lane]].a.x;
+        }
+        for (std::uint32_t row = 0; row < 9; ++row)
+            for (std::uint32_t lane = 0; lane < block_size; ++lane) rows[row * block_size + lane] = t[lane][row];
+        for (std::uint32_t lane = 0; lane < block_size; ++lane)
+            rows[9 * block_size + lane] = std::bit_cast<float>(indices[lane]);
+    }
+
+    // Asks memory for what write_node() reads: nodes and triangles are wanted in another order than they stand in.
+    void prefetch_order(const Place& place) const {
+        for (std::uint32_t i = 0; i < place.count; ++i)
+            if (place.counts[i] > 0) __builtin_prefetch(&binary_.order[place.firsts[i]]);
+    }
+    void prefetch(const Place& place) const {
+        for (std::uint32_t i = 0; i < place.count; ++i) {
+            __builtin_prefetch(&binary_.nodes[place.children[i]]);
+            for (std::uint32_t k = 0; k < place.counts[i]; ++k) {
+                const char* t = reinterpret_cast<const char*>(&triangles_[binary_.order[place.firsts[i] + k]]);
+                __builtin_prefetch(t);
+                __builtin_prefetch(t + sizeof(kernels::Triangle) - 1);
             }
-            rows[9 * block_size + lane] = std::bit_cast<float>(triangle);
         }
     }
 

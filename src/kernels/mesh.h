@@ -29,21 +29,27 @@ FN MeshNearest mesh_nearest(const_in(SceneView) scene, uint mesh, Ray ray, bool 
     uint test = scene.meshes.at[mesh].triangle_test;
     WalkCount unread = no_count();
     if (test != TRIANGLE_WATERTIGHT) return mesh_walk(scene, mesh, ray, any, test, unread);
-    if (scene.meshes.at[mesh].walk == MESH_WALK_WIDE) return device_mesh_wide(scene, mesh, ray, any);
+    if (scene.meshes.at[mesh].walk == MESH_WALK_WIDE) return device_mesh_wide(scene, mesh, ray, any).nearest;
     return any ? mesh_walk(scene, mesh, ray, true, TRIANGLE_WATERTIGHT, unread)
                : mesh_walk(scene, mesh, ray, false, TRIANGLE_WATERTIGHT, unread);
 }
 
-// What is known of the triangle that was found.
-FN void mesh_report(const_in(SceneView) scene, uint mesh, const_in(MeshNearest) nearest, inout(Hit) hit) {
+// What is known of the triangle that was found; `normal` as Hit::normal.
+FN void mesh_report_normal(const_in(SceneView) scene, uint mesh, const_in(MeshNearest) nearest, vec3 normal,
+                           inout(Hit) hit) {
     if (nearest.triangle == NONE) return;
-    Triangle triangle = scene.triangles.at[nearest.triangle];
     hit.t = nearest.hit.t;
     hit.primitive = nearest.triangle - scene.meshes.at[mesh].triangle_first;
     hit.face = 0u;
     hit.cell = ivec3(0);
     hit.uv = vec2(nearest.hit.u, nearest.hit.v);
-    hit.normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
+    hit.normal = normal;
+}
+
+FN void mesh_report(const_in(SceneView) scene, uint mesh, const_in(MeshNearest) nearest, inout(Hit) hit) {
+    if (nearest.triangle == NONE) return;
+    Triangle triangle = scene.triangles.at[nearest.triangle];
+    mesh_report_normal(scene, mesh, nearest, cross(triangle.b - triangle.a, triangle.c - triangle.a), hit);
 }
 
 // The nearest triangle in (ray.t_min, hit.t), in the mesh's local space. Sets t, primitive (in the structure's order),
@@ -51,6 +57,11 @@ FN void mesh_report(const_in(SceneView) scene, uint mesh, const_in(MeshNearest) 
 FN void mesh_closest(const_in(SceneView) scene, uint mesh, Ray ray, inout(Hit) hit) {
     if (scene.meshes.at[mesh].triangle_count == 0u) return;
     Ray limited = Ray(ray.origin, ray.t_min, ray.direction, hit.t);
+    if (scene.meshes.at[mesh].walk == MESH_WALK_WIDE && scene.meshes.at[mesh].triangle_test == TRIANGLE_WATERTIGHT) {
+        WideNearest found = device_mesh_wide(scene, mesh, limited, false);
+        mesh_report_normal(scene, mesh, found.nearest, found.normal, hit);
+        return;
+    }
     mesh_report(scene, mesh, mesh_nearest(scene, mesh, limited, false), hit);
 }
 

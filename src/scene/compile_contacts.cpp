@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "kernels/mesh_wide.h"
 #include "kernels/sdf.h"
 #include "scene/compilation.h"
 
@@ -41,15 +42,53 @@ bool contains(const Box& outer, const Box& inner) {
            glm::all(glm::lessThanEqual(inner.upper, outer.upper));
 }
 
-// A BVH of a mesh's triangles: its own, or one that is made here, whose leaves refer to triangles by an order.
-struct TriangleTree {
-    std::span<const kernels::BvhNode> nodes;
-    std::span<const uint> order;  // empty: triangles stand in the order of the leaves
-};
+// Calls visit(triangle, an index in the mesh) for all triangles in leaves of a binary tree, into whose nodes it is
+// asked whether to go; an empty order: triangles stand in the order of the leaves.
+template <class Enter, class Visit>
+void visit_binary(std::span<const kernels::BvhNode> nodes, std::span<const uint> order, const Enter& enter,
+                  const Visit& visit) {
+    std::vector<uint> pending{0};
+    while (!pending.empty()) {
+        const kernels::BvhNode& node = nodes[pending.back()];
+        pending.pop_back();
+        if (!enter(Box{node.lower, node.upper})) continue;
+        if (node.count == 0) {
+            pending.push_back(node.first);
+            pending.push_back(node.first + 1);
+            continue;
+        }
+        for (uint i = node.first; i < node.first + node.count; ++i) visit(order.empty() ? i : order[i]);
+    }
+}
 
-TriangleTree triangle_tree(Compilation& c, uint index) {
+// The same of a wide tree. Its leaves may bound a part of a triangle each.
+template <class Enter, class Visit>
+void visit_wide(const kernels::WideUnit* units, const Enter& enter, const Visit& visit) {
+    std::vector<uint> pending{0};
+    while (!pending.empty()) {
+        const uint reference = pending.back();
+        pending.pop_back();
+        const kernels::WideUnit* unit = units + (reference & kernels::WIDE_UNIT_MASK);
+        if (uint blocks = reference >> 28; blocks > 0) {
+            for (; blocks > 0; --blocks, unit += kernels::WIDE_BLOCK_UNITS)
+                for (uint lane = 0; lane < 4; ++lane) visit(kernels::float_bits(unit[4].lanes[4 + lane]));
+            continue;
+        }
+        for (int i = 0; i < 8; ++i) {
+            const Box box{{unit[0].lanes[i], unit[2].lanes[i], unit[4].lanes[i]},
+                          {unit[1].lanes[i], unit[3].lanes[i], unit[5].lanes[i]}};
+            if (box.lower.x <= box.upper.x && enter(box)) pending.push_back(kernels::float_bits(unit[6].lanes[i]));
+        }
+    }
+}
+
+// By the mesh's own tree, or, where it has none of boxes, by one that is made here.
+template <class Enter, class Visit>
+void visit_triangles(Compilation& c, uint index, const Enter& enter, const Visit& visit) {
     const kernels::Mesh& mesh = c.out.meshes[index];
-    if (mesh.walk == kernels::MESH_WALK_BVH2) return {std::span(c.out.nodes).subspan(mesh.node_first), {}};
+    if (mesh.walk == kernels::MESH_WALK_WIDE) return visit_wide(&c.out.wide_units[mesh.node_first], enter, visit);
+    if (mesh.walk == kernels::MESH_WALK_BVH2)
+        return visit_binary(std::span(c.out.nodes).subspan(mesh.node_first), {}, enter, visit);
     Bvh& made = c.mesh_bounds[index];
     if (made.nodes.empty()) {
         std::vector<Box> boxes;
@@ -57,35 +96,25 @@ TriangleTree triangle_tree(Compilation& c, uint index) {
             boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
         made = build_bvh(boxes);
     }
-    return {made.nodes, made.order};
+    visit_binary(made.nodes, made.order, enter, visit);
 }
 
 // Bounds of a mesh's triangles that come near the region.
 Box mesh_within(Compilation& c, const kernels::Instance& instance, const Box& local, const Box& region) {
     const kernels::Mesh& mesh = c.out.meshes[instance.geometry];
-    const TriangleTree tree = triangle_tree(c, instance.geometry);
     const mat4x3& to_world = instance.object_to_world;
     Box found = empty_box;
-    std::vector<uint> pending{0};
-    while (!pending.empty()) {
-        const kernels::BvhNode& node = tree.nodes[pending.back()];
-        pending.pop_back();
-        if (is_empty(intersection({node.lower, node.upper}, local))) continue;
-        // Nothing in here can widen what is found: large meshes take a moment only.
-        if (contains(found, intersection(world_bounds(to_world, node.lower, node.upper), region))) continue;
-        if (node.count == 0) {
-            pending.push_back(node.first);
-            pending.push_back(node.first + 1);
-            continue;
-        }
-        for (uint i = node.first; i < node.first + node.count; ++i) {
-            const uint triangle = tree.order.empty() ? i : tree.order[i];
-            const kernels::Triangle& t = c.out.triangles[mesh.triangle_first + triangle];
-            Box piece = empty_box;
-            for (const vec3& corner : {t.a, t.b, t.c}) piece = hull(piece, world_bounds(to_world, corner, corner));
-            add_piece(found, piece, region);
-        }
-    }
+    const auto enter = [&](const Box& box) {
+        // Where nothing can widen what is found there is no need to look: large meshes take a moment only.
+        return !is_empty(intersection(box, local)) &&
+               !contains(found, intersection(world_bounds(to_world, box.lower, box.upper), region));
+    };
+    visit_triangles(c, instance.geometry, enter, [&](uint triangle) {
+        const kernels::Triangle& t = c.out.triangles[mesh.triangle_first + triangle];
+        Box piece = empty_box;
+        for (const vec3& corner : {t.a, t.b, t.c}) piece = hull(piece, world_bounds(to_world, corner, corner));
+        add_piece(found, piece, region);
+    });
     return found;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstring>
 
+#include "accel/wide_refit.h"
 #include "core/parallel.h"
 #include "devices/cpu/avx2.h"
 #include "geometry/mesh/wide_mesh.h"
@@ -266,6 +267,36 @@ TEST(MeshWalk, eight_rays_together_find_what_each_finds_alone_to_the_last_bit) {
             if (HasFatalFailure()) return;
         }
     EXPECT_GT(found, 40000);
+}
+
+TEST(MeshWalk, a_hit_knows_its_triangle_by_heart) {
+    Random random(20);
+    const Built built(blades(random, 300));
+    for (const Ray& r : rays_towards(random, built.triangles, 500, 8)) {
+        for (const WideHit& hit : {wide_closest(built.mesh, r), wide_closest_portable(built.mesh, r)}) {
+            ASSERT_EQ(hit.block == nullptr, hit.triangle == NONE);
+            if (hit.triangle == NONE) continue;
+            const Triangle& t = built.triangles[hit.triangle];
+            const vec3 expected = glm::cross(t.b - t.a, t.c - t.a);
+            EXPECT_LT(glm::length(wide_normal(hit) - expected),
+                      1e-6f * glm::length(t.b - t.a) * glm::length(t.c - t.a));
+        }
+    }
+}
+
+TEST(MeshWalk, a_refitted_tree_finds_what_brute_force_finds_where_triangles_are_now) {
+    Random random(21);
+    for (const WidePreset& preset : wide_presets())
+        for (const int count : {1, 5, 700}) {
+            Built built(blades(random, count), preset);
+            for (Triangle& t : built.triangles)
+                for (vec3* p : {&t.a, &t.b, &t.c}) *p = 1.7f * vec3(-p->z, p->y + std::sin(p->x), p->x) + vec3(3, 0, 0);
+            refit_wide_bvh(built.tree.units, built.triangles);
+            const Built moved(built.triangles, preset);
+            built.mesh.lower = moved.mesh.lower;
+            built.mesh.upper = moved.mesh.upper;
+            EXPECT_GT(check(built, rays_towards(random, built.triangles, 1000, 8)), 700) << preset.name;
+        }
 }
 
 TEST(MeshWalk, one_ray_that_is_no_number_spoils_no_packet) {

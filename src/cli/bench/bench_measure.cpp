@@ -5,16 +5,17 @@
 #include <ctime>
 
 namespace spinel::cli {
-namespace {
 
-using kernels::Hit;
-using kernels::Ray;
-
-double cpu_seconds() {
+double processor_seconds() {
     timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
+
+namespace {
+
+using kernels::Hit;
+using kernels::Ray;
 
 using Trace = std::function<void(std::span<const Ray>, Hit*)>;
 
@@ -25,10 +26,10 @@ double rays_per_second(const Trace& trace, std::span<const Ray> rays, int repeat
     std::vector<Hit> hits(batch);
     std::vector<double> seconds;
     for (int i = 0; i < repeats; ++i) {
-        const double start = cpu_seconds();
+        const double start = processor_seconds();
         for (std::size_t k = 0; k < rays.size(); k += batch)
             trace(rays.subspan(k, std::min(batch, rays.size() - k)), hits.data());
-        seconds.push_back(cpu_seconds() - start);
+        seconds.push_back(processor_seconds() - start);
     }
     std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
     return double(rays.size()) / seconds[std::size_t(repeats) / 2];

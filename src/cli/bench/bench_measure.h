@@ -18,6 +18,9 @@ struct BenchRow {
     double differing = 0;  // share of rays that see something else than the first structure does
 };
 
+// Processor time of the whole program so far.
+double processor_seconds();
+
 class Measurement {
   public:
     // `first` says what there is to be seen.

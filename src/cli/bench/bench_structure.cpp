@@ -47,8 +47,8 @@ double size_of(const std::vector<T>& v) {
 std::vector<BenchStructure> scene_structures(const CompiledScene& scene, const std::string& scene_structure,
                                              double build_ms) {
     const SceneView view = scene.view();
-    const double bytes = size_of(scene.instance_nodes) + size_of(scene.instance_order) + size_of(scene.nodes) +
-                         size_of(scene.triangles) + size_of(scene.voxel_nodes);
+    double bytes = size_of(scene.instance_nodes) + size_of(scene.instance_order) + size_of(scene.voxel_nodes);
+    for (const MeshStatistics& mesh : scene.mesh_statistics) bytes += double(mesh.bytes);
     std::vector<BenchStructure> list;
     BenchStructure single;
     single.name = scene_structure;

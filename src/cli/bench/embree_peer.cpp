@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <memory>
 
+#include "cli/bench/bench_measure.h"
 #include "cli/bench/world_mesh.h"
 
 namespace spinel::cli {
@@ -63,9 +63,9 @@ struct Built {
             rtcCommitGeometry(geometry);
             rtcAttachGeometry(scene, geometry);
             rtcReleaseGeometry(geometry);
-            const auto start = std::chrono::steady_clock::now();
+            const double start = processor_seconds();
             rtcCommitScene(scene);
-            build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            build_ms = 1e3 * (processor_seconds() - start);
         }
     }
     Built(const Built&) = delete;

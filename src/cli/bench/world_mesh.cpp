@@ -1,9 +1,9 @@
 #include "cli/bench/world_mesh.h"
 
-#include <chrono>
 #include <memory>
 #include <variant>
 
+#include "cli/bench/bench_measure.h"
 #include "core/parallel.h"
 #include "devices/cpu/mesh_walk.h"
 #include "geometry/mesh/wide_mesh.h"
@@ -53,11 +53,11 @@ std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
     if (mesh.triangles.empty()) return list;
     for (const WidePreset& preset : wide_presets()) {
         const ThreadLimit one(1);
-        const auto start = std::chrono::steady_clock::now();
+        const double start = processor_seconds();
         const auto tree = std::make_shared<const WideBvh>(build_wide_mesh(mesh.triangles, preset));
         BenchStructure s;
         s.name = "wide-bvh8-" + std::string(preset.name);
-        s.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        s.build_ms = 1e3 * (processor_seconds() - start);
         s.bytes = double(tree->units.size() * sizeof(kernels::WideUnit));
         const WideMesh wide{tree->units.data(), mesh.lower, mesh.upper};
         s.closest = [tree, wide](std::span<const Ray> rays, Hit* hits) {

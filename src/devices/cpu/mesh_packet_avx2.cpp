@@ -213,6 +213,8 @@ struct Nearest {
     alignas(32) float t[8];
     float u[8], v[8];
     std::uint32_t triangle[8];  // 0 as long as there is none
+    const float* block[8];      // in which it stands …
+    int lane[8];                // … and where
     unsigned found;
 };
 
@@ -245,6 +247,8 @@ SPINEL_INLINE unsigned test_block(const float* block, const Packet& p, unsigned 
             best.u[ray] = u[i];
             best.v[ray] = v[i];
             best.triangle[ray] = triangle;
+            best.block[ray] = block;
+            best.lane[ray] = i & 3;
             met |= 1u << ray;
         }
     }
@@ -268,6 +272,8 @@ SPINEL_INLINE bool walk_alone(const WideMesh& mesh, const Ray& ray, std::uint32_
     best.u[i] = one.u;
     best.v[i] = one.v;
     best.triangle[i] = one.triangle;
+    best.block[i] = one.block;
+    best.lane[i] = one.lane;
     return true;
 }
 
@@ -360,7 +366,8 @@ void wide_closest8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes, W
     walk8<false>(mesh, rays, lanes, best);
     for (unsigned rest = lanes; rest; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
-        if (best.found >> i & 1) hits[i] = {best.t[i], best.u[i], best.v[i], best.triangle[i]};
+        if (best.found >> i & 1)
+            hits[i] = {best.t[i], best.u[i], best.v[i], best.triangle[i], best.block[i], best.lane[i]};
         else hits[i] = {rays[i].t_max, 0, 0, kernels::NONE};
     }
 }

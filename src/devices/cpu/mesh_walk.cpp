@@ -34,7 +34,7 @@ kernels::Triangle triangle_of(const float* block, int lane) {
     return {vertex(0), vertex(1), vertex(2)};
 }
 
-// Calls visit(triangle, its index, t up to which hits count) for the triangles of all leaves that the ray meets, nearer
+// Calls visit(block, lane) for the triangles of all leaves that the ray meets, nearer
 // ones sooner, while it is told to go on; `t_max` is read anew each time.
 template <class Visit>
 void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit& visit) {
@@ -51,7 +51,7 @@ void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit&
             for (std::uint32_t b = 0; b < blocks; ++b) {
                 const float* const block = unit[b * kernels::WIDE_BLOCK_UNITS].lanes;
                 for (int lane = 0; lane < 4; ++lane)
-                    if (!visit(triangle_of(block, lane), bits(block[36 + lane]))) return;
+                    if (!visit(block, lane)) return;
             }
             continue;
         }
@@ -74,24 +74,35 @@ void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit&
 
 }  // namespace
 
+glm::vec3 wide_normal(const WideHit& hit) {
+    const kernels::Triangle triangle = triangle_of(hit.block, hit.lane);
+    return glm::cross(triangle.b - triangle.a, triangle.c - triangle.a);
+}
+
 WideHit wide_closest_portable(const WideMesh& mesh, const Ray& ray) {
     const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
     kernels::TriangleHit best(ray.t_max, 0, 0);
-    std::uint32_t nearest = NONE;
-    walk(mesh, ray, best.t, [&](const kernels::Triangle& triangle, std::uint32_t index) {
-        const float limit = nearest != NONE && index < nearest ? kernels::next_above(best.t) : best.t;
-        if (kernels::triangle_watertight(sheared, triangle, ray.t_min, limit, best)) nearest = index;
+    const float* nearest_block = nullptr;
+    int nearest_lane = 0;
+    walk(mesh, ray, best.t, [&](const float* block, int lane) {
+        const bool before = nearest_block && bits(block[36 + lane]) < bits(nearest_block[36 + nearest_lane]);
+        const float limit = before ? kernels::next_above(best.t) : best.t;
+        if (kernels::triangle_watertight(sheared, triangle_of(block, lane), ray.t_min, limit, best)) {
+            nearest_block = block;
+            nearest_lane = lane;
+        }
         return true;
     });
-    return {best.t, best.u, best.v, nearest};
+    if (!nearest_block) return {ray.t_max, 0, 0, NONE};
+    return {best.t, best.u, best.v, bits(nearest_block[36 + nearest_lane]), nearest_block, nearest_lane};
 }
 
 bool wide_any_portable(const WideMesh& mesh, const Ray& ray) {
     const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
     kernels::TriangleHit unread(0, 0, 0);
     bool found = false;
-    walk(mesh, ray, ray.t_max, [&](const kernels::Triangle& triangle, std::uint32_t) {
-        found = kernels::triangle_watertight(sheared, triangle, ray.t_min, ray.t_max, unread);
+    walk(mesh, ray, ray.t_max, [&](const float* block, int lane) {
+        found = kernels::triangle_watertight(sheared, triangle_of(block, lane), ray.t_min, ray.t_max, unread);
         return !found;
     });
     return found;
@@ -174,7 +185,8 @@ unsigned cpu_mesh_closest8(const kernels::SceneView& scene, kernels::uint mesh, 
         const int i = std::countr_zero(rest);
         const WideHit& hit = nearest[i];
         if (hit.triangle == NONE) continue;
-        kernels::mesh_report(scene, mesh, {{hit.t, hit.u, hit.v}, first + hit.triangle}, hits[i]);
+        kernels::mesh_report_normal(scene, mesh, {{hit.t, hit.u, hit.v}, first + hit.triangle}, wide_normal(hit),
+                                    hits[i]);
         hits[i].instance = instance;
         found |= 1u << i;
     }
@@ -188,10 +200,11 @@ unsigned cpu_mesh_any8(const kernels::SceneView& scene, kernels::uint mesh, cons
 }  // namespace spinel
 
 // The device's walk, as kernels/mesh_wide.h declares it.
-spinel::kernels::MeshNearest spinel::kernels::device_mesh_wide(const SceneView& scene, uint mesh, Ray ray, bool any) {
+spinel::kernels::WideNearest spinel::kernels::device_mesh_wide(const SceneView& scene, uint mesh, Ray ray, bool any) {
     const WideMesh wide = wide_mesh_of(scene, mesh);
     const uint first = scene.meshes.at[mesh].triangle_first;
-    if (any) return {TriangleHit(ray.t_max, 0, 0), wide_any(wide, ray) ? first : NONE};
+    if (any) return {{TriangleHit(ray.t_max, 0, 0), wide_any(wide, ray) ? first : NONE}, vec3(0)};
     const WideHit hit = wide_closest(wide, ray);
-    return {TriangleHit(hit.t, hit.u, hit.v), hit.triangle == NONE ? NONE : first + hit.triangle};
+    if (hit.triangle == NONE) return {{TriangleHit(hit.t, hit.u, hit.v), NONE}, vec3(0)};
+    return {{TriangleHit(hit.t, hit.u, hit.v), first + hit.triangle}, wide_normal(hit)};
 }

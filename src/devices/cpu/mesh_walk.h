@@ -18,7 +18,13 @@ struct WideHit {
     float t;                 // the ray's t_max if there is none
     float u, v;              // weights of vertices 1 and 2
     std::uint32_t triangle;  // NONE: nothing in (t_min, t_max)
+    // Where it stands, in rows (kernels::WideUnit); null if there is none.
+    const float* block = nullptr;
+    int lane = 0;
 };
+
+// cross(b − a, c − a) of the triangle that was hit.
+glm::vec3 wide_normal(const WideHit& hit);
 
 WideHit wide_closest(const WideMesh& mesh, const kernels::Ray& ray);
 bool wide_any(const WideMesh& mesh, const kernels::Ray& ray);

@@ -8,7 +8,7 @@ namespace spinel {
 WideHit wide_closest_avx2(const WideMesh& mesh, const kernels::Ray& ray) {
     wide::Best best = {ray.t_max, 0, 0, 0, false};
     wide::walk<false>(mesh.units, wide::make_slabs(mesh, ray), wide::make_shear(ray), _mm_set1_ps(ray.t_min), 0, best);
-    return {best.t, best.u, best.v, best.found ? best.triangle : kernels::NONE};
+    return {best.t, best.u, best.v, best.found ? best.triangle : kernels::NONE, best.block, best.lane};
 }
 
 bool wide_any_avx2(const WideMesh& mesh, const kernels::Ray& ray) {

@@ -142,6 +142,8 @@ struct Best {
     float t, u, v;
     std::uint32_t triangle;
     bool found;
+    const float* block = nullptr;  // in which it stands …
+    int lane = 0;                  // … and where
 };
 
 SPINEL_INLINE bool closest_in_block(const float* block, const Shear& s, __m128 t_min, Best& best) {
@@ -156,7 +158,7 @@ SPINEL_INLINE bool closest_in_block(const float* block, const Shear& s, __m128 t
         const int i = std::countr_zero(rest);
         const auto triangle = std::bit_cast<std::uint32_t>(block[36 + i]);
         if (!(t[i] < best.t) && !(t[i] == best.t && triangle < best.triangle)) continue;
-        best = {t[i], u[i], v[i], triangle, true};
+        best = {t[i], u[i], v[i], triangle, true, block, i};
         nearer = true;
     }
     return nearer;

@@ -13,11 +13,13 @@ namespace {
 
 constexpr std::array<WidePreset, 3> presets = {{
     {"fast",
-     "few bins and leaves of up to eight triangles: for meshes that are built more often than looked at",
-     {.max_leaf = 8, .min_leaf = 8, .bin_count = 8},
+     "groups along a Morton curve, the heuristic over groups alone: for meshes that are built more often than looked "
+     "at",
+     true,
+     {},
      {}},
-    {"balanced", "binned surface area heuristic", {}, {}},
-    {"high", "the same with spatial splits where boxes overlap much", {.spatial_growth = 0.3f}, {}},
+    {"balanced", "binned surface area heuristic", false, {}, {}},
+    {"high", "the same with spatial splits where boxes overlap much", false, {.spatial_growth = 0.3f}, {}},
 }};
 
 // The hull of what is added, in double.
@@ -68,13 +70,14 @@ void clip_triangle(const kernels::Triangle& triangle, const Box& box, int axis, 
 }
 
 WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
-    std::vector<Box> boxes(triangles.size());
+    HugeVector<Box> boxes(triangles.size());
     parallel_for(triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const kernels::Triangle& t = triangles[i];
             boxes[i] = {glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))};
         }
     });
+    if (preset.grains) return collapse_bvh(build_grain_bvh(boxes), triangles, preset.wide);
     const Bvh binary =
         build_split_bvh(boxes, preset.binary,
                         [&](std::uint32_t triangle, const Box& box, int axis, float plane, Box& below, Box& above) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "accel/grain_bvh.h"
 #include "accel/split_bvh.h"
 #include "accel/wide_bvh.h"
 
@@ -13,7 +14,8 @@ namespace spinel {
 struct WidePreset {
     std::string_view name;
     std::string_view doc;
-    SplitBvhOptions binary;
+    bool grains;             // by build_grain_bvh() …
+    SplitBvhOptions binary;  // … or else by build_split_bvh()
     WideBvhOptions wide;
 };
 

@@ -1,0 +1,153 @@
+#include "accel/grain_bvh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "accel/morton_grains.h"
+#include "accel/split_bvh.h"
+#include "core/parallel.h"
+
+namespace spinel {
+namespace {
+
+std::vector<Box> random_boxes(std::size_t count, std::uint32_t seed, float size = 10) {
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<float> place(-size, size), edge(0, 0.03f * size);
+    std::vector<Box> boxes(count);
+    for (Box& box : boxes)
+        for (int axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = place(engine);
+            box.upper[axis] = box.lower[axis] + edge(engine);
+        }
+    return boxes;
+}
+
+// Each box in exactly one leaf, `usable` in all, inside of its ancestors; children behind their parents.
+void check(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, std::uint32_t most) {
+    ASSERT_EQ(bvh.order.size(), usable);
+    std::vector<int> named(boxes.size()), held(bvh.order.size());
+    std::vector<std::uint32_t> depth(bvh.nodes.size());
+    for (std::uint32_t n = 0; n < bvh.nodes.size(); ++n) {
+        const kernels::BvhNode& node = bvh.nodes[n];
+        ASSERT_LE(depth[n], kernels::BVH_MAX_DEPTH);
+        const auto holds = [&](const glm::vec3& lower, const glm::vec3& upper) {
+            return glm::all(glm::lessThanEqual(node.lower, lower)) && glm::all(glm::lessThanEqual(upper, node.upper));
+        };
+        if (node.count == 0) {
+            ASSERT_GT(node.first, n);
+            for (std::uint32_t child : {node.first, node.first + 1}) {
+                ASSERT_TRUE(holds(bvh.nodes.at(child).lower, bvh.nodes.at(child).upper));
+                ASSERT_EQ(depth[child], 0u);
+                depth[child] = depth[n] + 1;
+            }
+            continue;
+        }
+        ASSERT_LE(node.count, most);
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            const std::uint32_t box = bvh.order.at(i);
+            ASSERT_TRUE(holds(boxes.at(box).lower, boxes.at(box).upper));
+            ASSERT_EQ(named[box]++, 0);
+            ASSERT_EQ(held[i]++, 0);
+        }
+    }
+    for (const int times : held) ASSERT_EQ(times, 1);
+}
+
+double area_of(const glm::vec3& e) { return double(e.x) * e.y + double(e.y) * e.z + double(e.z) * e.x; }
+
+// Of a ray that meets a box of this extent, by nodes and leaves no larger than it, each at one.
+double cost(const Bvh& bvh, const glm::vec3& extent) {
+    double sum = 0;
+    for (const kernels::BvhNode& n : bvh.nodes)
+        if (const glm::vec3 e = n.upper - n.lower; glm::all(glm::lessThanEqual(e, extent))) sum += area_of(e);
+    return sum / area_of(extent);
+}
+
+TEST(GrainBvh, every_box_lies_in_one_leaf_and_in_all_its_ancestors) {
+    for (const std::size_t count : {0, 1, 2, 4, 5, 15, 16, 17, 33, 1000, 70000})
+        for (const std::uint32_t leaf : {1u, 4u, kernels::BVH_MAX_LEAF}) {
+            const std::vector<Box> boxes = random_boxes(count, 1);
+            check(build_grain_bvh(boxes, {.leaf = leaf}), boxes, count, leaf);
+        }
+}
+
+TEST(GrainBvh, the_tree_does_not_depend_on_the_number_of_threads) {
+    const std::vector<Box> boxes = random_boxes(200000, 2);
+    Bvh first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        Bvh tree = build_grain_bvh(boxes);
+        if (threads == 1) first = tree;
+        EXPECT_EQ(tree.order, first.order);
+        ASSERT_EQ(tree.nodes.size(), first.nodes.size());
+        EXPECT_EQ(std::memcmp(tree.nodes.data(), first.nodes.data(), tree.nodes.size() * sizeof(tree.nodes[0])), 0);
+    }
+}
+
+TEST(GrainBvh, costs_little_more_than_the_heuristic_over_all_boxes_and_much_less_than_halving) {
+    // Dense in the middle, sparse around it.
+    std::vector<Box> boxes = random_boxes(20000, 3);
+    for (const Box& box : random_boxes(30000, 8, 0.2f)) boxes.push_back(box);
+    const glm::vec3 whole(21);
+    const double fast = cost(build_grain_bvh(boxes), whole);
+    EXPECT_LT(fast, 1.3 * cost(build_split_bvh(boxes, {}), whole));
+    EXPECT_LT(fast, 0.9 * cost(build_bvh(boxes, {.method = BvhMethod::median}), whole));
+}
+
+TEST(GrainBvh, a_small_thing_in_a_large_scene_is_sorted_by_a_curve_of_its_own) {
+    std::vector<Box> boxes = random_boxes(20000, 4, 0.001f);
+    const glm::vec3 small(0.0021f);
+    const double alone = cost(build_grain_bvh(boxes), small);
+    boxes.push_back({glm::vec3(-1e4f), glm::vec3(-1e4f + 1)});
+    boxes.push_back({glm::vec3(1e4f), glm::vec3(1e4f + 1)});
+    const Bvh tree = build_grain_bvh(boxes);
+    check(tree, boxes, boxes.size(), 4);
+    EXPECT_LT(cost(tree, small), 1.1 * alone);
+}
+
+TEST(GrainBvh, boxes_in_one_place_and_far_out_and_of_no_size_are_divided) {
+    const std::vector<Box> same(10000, Box{glm::vec3(1), glm::vec3(2)});
+    check(build_grain_bvh(same), same, same.size(), 4);
+    std::vector<Box> extreme = random_boxes(3000, 5);
+    for (std::size_t i = 0; i < extreme.size(); ++i) {
+        const float scale = i % 3 == 0 ? 3e37f : i % 3 == 1 ? 1e-38f : 1.0f;
+        extreme[i].lower *= scale;
+        extreme[i].upper *= scale;
+    }
+    check(build_grain_bvh(extreme), extreme, extreme.size(), 4);
+    check(build_split_bvh(extreme, {}), extreme, extreme.size(), 4);
+}
+
+TEST(GrainBvh, boxes_that_are_not_finite_or_inverted_are_left_out) {
+    const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
+    std::vector<Box> boxes = random_boxes(1000, 6);
+    boxes[10].lower.x = nan;
+    boxes[20].upper.z = nan;
+    boxes[30].upper.y = inf;
+    boxes[40].lower.y = -inf;
+    boxes[50] = {glm::vec3(1), glm::vec3(-1)};
+    check(build_grain_bvh(boxes), boxes, 995, 4);
+    check(build_grain_bvh(std::vector<Box>(7, Box{glm::vec3(nan), glm::vec3(nan)})), std::vector<Box>(7), 0, 4);
+}
+
+TEST(MortonGrains, follow_each_other_and_hold_no_more_than_asked_for) {
+    const std::vector<Box> boxes = random_boxes(30000, 7);
+    for (const std::uint32_t most : {1u, 16u, 100u}) {
+        const MortonGrains found = morton_grains(boxes, most);
+        std::uint32_t next = 0;
+        for (const MortonGrain& grain : found.grains) {
+            ASSERT_EQ(grain.begin, next);
+            ASSERT_GT(grain.end, grain.begin);
+            ASSERT_LE(grain.end - grain.begin, most);
+            next = grain.end;
+        }
+        EXPECT_EQ(next, boxes.size());
+    }
+}
+
+}  // namespace
+}  // namespace spinel
