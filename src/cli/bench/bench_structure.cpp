@@ -3,9 +3,9 @@
 #include <chrono>
 #include <memory>
 
+#include "devices/cpu/packet_trace.h"
 #include "devices/cpu/voxel_walk.h"
 #include "kernels/traverse.h"
-#include "devices/cpu/packet_trace.h"
 
 namespace spinel::cli {
 namespace {
