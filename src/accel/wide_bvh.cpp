@@ -161,7 +161,6 @@ class Collapse {
             const Pending pending = stack.back();
             stack.pop_back();
             statistics.depth = std::max(statistics.depth, pending.depth);
-            assert(next < std::size_t(1) << 28);
             if (pending.lane < width) places_[pending.parent].references[pending.lane] = std::uint32_t(next);
             Place& place = places_.emplace_back();
             const auto index = std::uint32_t(places_.size() - 1);

@@ -265,6 +265,8 @@ struct Run {
         const auto volumes = std::count_if(scene->objects.begin(), scene->objects.end(), [&](const Object& object) {
             return std::holds_alternative<VolumeGeometry>(scene->geometries[std::size_t(object.geometry)].data);
         });
+        if (!o.preset.empty() && integrator != "dvr")
+            return Error{"--preset is for the integrator dvr, and this is " + integrator};
         if (integrator == "dvr" && volumes > 1 && !common.quiet)
             fmt::print(stderr, "spinel: {}: warning: dvr shows the first of {} volumes; --grid chooses one of a file\n",
                        input.filename().string(), volumes);
@@ -328,14 +330,15 @@ struct Run {
                 {"render_cpu_seconds", result->cpu_seconds},
                 {"paths_per_second", double(film.sample_count()) / std::max(result->seconds, 1e-9)},
                 {"mean", {mean.x, mean.y, mean.z}},
-                {"relative_error", film.relative_error()},
+                {"relative_error", spp < 2 ? nlohmann::ordered_json() : nlohmann::ordered_json(film.relative_error())},
                 {"paths_cut", film.bound_reached},
                 {"stopped_by", reason_text(result->reason)}};
             fmt::print("{}\n", json_text(json, -1));
         } else if (!common.quiet) {
-            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s), noise {:.2g}{}\n", output.string(),
+            fmt::print(stderr, "{}: {}x{}, {:.4g} spp in {} ({:.2f} Mpaths/s){}{}\n", output.string(),
                        film.crop.size().x, film.crop.size().y, spp, duration_text(result->seconds),
-                       1e-6 * double(film.sample_count()) / std::max(result->seconds, 1e-9), film.relative_error(),
+                       1e-6 * double(film.sample_count()) / std::max(result->seconds, 1e-9),
+                       spp < 2 ? "" : fmt::format(", noise {:.2g}", film.relative_error()),
                        result->reason == StopReason::interrupted ? ", interrupted" : "");
         }
         if (o.check) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -92,6 +93,8 @@ std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
     return [o, &common] {
         if (o->input.empty() && o->voxels.empty())
             return fail({"FILE is required; see spinel trace --help"}, exit_usage);
+        if (std::filesystem::path(o->output).extension() != ".npy")
+            return fail({"cannot write '" + o->output + "': hits are written as .npy"}, exit_usage);
         const Result<int> result = run(*o, common);
         return result ? *result : fail(result.error());
     };

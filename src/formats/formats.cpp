@@ -161,6 +161,8 @@ Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& o
                                "files of the format " + std::string(format->name) + " have no grids to choose from");
         return format->load(path, options);
     }
+    std::error_code unread;
+    if (!std::filesystem::exists(path, unread)) return cannot_read(path, "there is no such file");
     return cannot_read(path, "unknown extension '" + extension_of(path) +
                                  "'; readable: " + extension_list([](const Format&) { return true; }));
 }

@@ -18,8 +18,8 @@ Result<Scene> load_scene(const std::filesystem::path& path, ivec2 size, const Lo
     const bool is_scene_file = path.extension() == ".json";
     Result<Scene> scene = Error{""};
     if (is_scene_file) {
-        if (options.heightmap || options.voxels)
-            return Error{fmt::format("{}: heights and voxels are chosen inside of a scene file", path.string())};
+        if (options.heightmap || options.voxels || !options.grid.empty())
+            return Error{fmt::format("{}: heights, voxels and grids are chosen inside of a scene file", path.string())};
         const Result<std::string> text = read_file_bytes(path, max_scene_file);
         if (!text) return text.error();
         scene = read_scene_json(*text, path, {load_model, read_pixels}, {options.frame, options.fps});

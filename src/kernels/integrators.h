@@ -23,11 +23,16 @@ FN PixelSample integrate_path(const_in(SceneView) scene, const_in(PathSettings) 
     return path_sample(state);
 }
 
+// The first thing that is seen, without light from elsewhere.
+FN void see_first(const_in(SceneView) scene, const_in(PathSettings) settings, inout(PathState) state, Hit hit) {
+    PathSettings seen = settings;
+    seen.max_bounces = 0;
+    path_follow(scene, seen, state, hit);
+}
+
 // Shading normals of what is seen first, mapped from [-1, 1] to [0, 1].
 FN PixelSample integrate_normals(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
-                                     settings.transmittance, settings.gauge, settings.equiangular);
-    path_follow(scene, seen, state, hit);
+    see_first(scene, settings, state, hit);
     vec3 color = state.first.object == NONE ? vec3(0.0f) : 0.5f * state.first.normal + 0.5f;
     return PixelSample(color, state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
@@ -66,18 +71,14 @@ FN PixelSample integrate_direct(const_in(SceneView) scene, const_in(PathSettings
 
 // From white at the camera to black at the end of what is gauged; black where nothing is.
 FN PixelSample integrate_depth(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
-                                     settings.transmittance, settings.gauge, settings.equiangular);
-    path_follow(scene, seen, state, hit);
+    see_first(scene, settings, state, hit);
     float near = state.first.object == NONE ? 0.0f : max(1.0f - state.first.depth / settings.gauge.depth_end, 0.0f);
     return PixelSample(vec3(near), state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 
 FN PixelSample integrate_heatmap(const_in(SceneView) scene, const_in(PathSettings) settings, PathState state, Hit hit) {
-    PathSettings seen = PathSettings(settings.seed, 0, 0.0f, 0, settings.preview, settings.march, settings.dvr,
-                                     settings.transmittance, settings.gauge, settings.equiangular);
     Ray ray = state.ray;
-    path_follow(scene, seen, state, hit);
+    see_first(scene, settings, state, hit);
     return PixelSample(heatmap(scene, settings.gauge, ray), state.first, (state.flags & PATH_BOUND_REACHED) != 0u);
 }
 

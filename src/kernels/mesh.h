@@ -24,14 +24,16 @@ FN_ANEW MeshNearest mesh_walk(const_in(SceneView) scene, uint mesh, Ray ray, boo
     return nearest;
 }
 
-// The same without counters, by the device's own walk where it has one.
+// The same without counters, where the device has no walk of its own.
 FN MeshNearest mesh_nearest(const_in(SceneView) scene, uint mesh, Ray ray, bool any) {
     uint test = scene.meshes.at[mesh].triangle_test;
     WalkCount unread = no_count();
-    if (test != TRIANGLE_WATERTIGHT) return mesh_walk(scene, mesh, ray, any, test, unread);
-    if (scene.meshes.at[mesh].walk == MESH_WALK_WIDE) return device_mesh_wide(scene, mesh, ray, any).nearest;
-    return any ? mesh_walk(scene, mesh, ray, true, TRIANGLE_WATERTIGHT, unread)
-               : mesh_walk(scene, mesh, ray, false, TRIANGLE_WATERTIGHT, unread);
+#ifdef __cplusplus  // the default test is known to the compiler; shaders would be three times as long for it
+    if (test == TRIANGLE_WATERTIGHT)
+        return any ? mesh_walk(scene, mesh, ray, true, TRIANGLE_WATERTIGHT, unread)
+                   : mesh_walk(scene, mesh, ray, false, TRIANGLE_WATERTIGHT, unread);
+#endif
+    return mesh_walk(scene, mesh, ray, any, test, unread);
 }
 
 // What is known of the triangle that was found; `normal` as Hit::normal.
@@ -57,17 +59,22 @@ FN void mesh_report(const_in(SceneView) scene, uint mesh, const_in(MeshNearest) 
 FN void mesh_closest(const_in(SceneView) scene, uint mesh, Ray ray, inout(Hit) hit) {
     if (scene.meshes.at[mesh].triangle_count == 0u) return;
     Ray limited = Ray(ray.origin, ray.t_min, ray.direction, hit.t);
-    if (scene.meshes.at[mesh].walk == MESH_WALK_WIDE && scene.meshes.at[mesh].triangle_test == TRIANGLE_WATERTIGHT) {
+#ifdef __cplusplus
+    if (mesh_is_devices(scene, mesh)) {
         WideNearest found = device_mesh_wide(scene, mesh, limited, false);
         mesh_report_normal(scene, mesh, found.nearest, found.normal, hit);
         return;
     }
+#endif
     mesh_report(scene, mesh, mesh_nearest(scene, mesh, limited, false), hit);
 }
 
 // Whether any triangle lies in (ray.t_min, ray.t_max).
 FN bool mesh_any(const_in(SceneView) scene, uint mesh, Ray ray) {
     if (scene.meshes.at[mesh].triangle_count == 0u) return false;
+#ifdef __cplusplus
+    if (mesh_is_devices(scene, mesh)) return device_mesh_wide(scene, mesh, ray, true).nearest.triangle != NONE;
+#endif
     return mesh_nearest(scene, mesh, ray, true).triangle != NONE;
 }
 

@@ -79,6 +79,7 @@ FN_ANEW void mesh_wide_walk(const_in(SceneView) scene, uint mesh, const_in(MeshR
     }
 }
 
+#ifdef __cplusplus
 // A triangle and its normal, cross(b - a, c - a): a walk has its vertices at hand, elsewhere they would have to be
 // fetched from far away (measured: a third of the time that the walk takes).
 struct WideNearest {
@@ -86,18 +87,12 @@ struct WideNearest {
     vec3 normal;  // 0 if there is no triangle
 };
 
-// With the watertight test; for any hit, what is told of it beside that there is one means nothing.
-#ifdef __cplusplus
-WideNearest device_mesh_wide(const_in(SceneView) scene, uint mesh, Ray ray, bool any);  // devices/cpu/mesh_walk.cpp
-#else
-WideNearest device_mesh_wide(const_in(SceneView) scene, uint mesh, Ray ray, bool any) {
-    MeshRay r = mesh_ray(scene, mesh, ray, any, TRIANGLE_WATERTIGHT);
-    MeshNearest nearest = MeshNearest(TriangleHit(ray.t_max, 0.0f, 0.0f), NONE);
-    WalkCount unread = no_count();
-    mesh_wide_walk(scene, mesh, r, nearest, unread);
-    if (nearest.triangle == NONE) return WideNearest(nearest, vec3(0.0f));
-    Triangle triangle = scene.triangles.at[nearest.triangle];
-    return WideNearest(nearest, cross(triangle.b - triangle.a, triangle.c - triangle.a));
+// The CPU's own walk (devices/cpu/mesh_walk.cpp), with the watertight test; for any hit, what is told of it beside that
+// there is one means nothing.
+WideNearest device_mesh_wide(const_in(SceneView) scene, uint mesh, Ray ray, bool any);
+
+FN bool mesh_is_devices(const_in(SceneView) scene, uint mesh) {
+    return scene.meshes.at[mesh].walk == MESH_WALK_WIDE && scene.meshes.at[mesh].triangle_test == TRIANGLE_WATERTIGHT;
 }
 #endif
 

@@ -65,6 +65,7 @@ FN PixelSample whitted(const_in(SceneView) scene, const_in(PathSettings) setting
                 radiance += other.radiance;
                 other.radiance = vec3(0.0f);
             }
+            if ((other.flags & PATH_BOUND_REACHED) != 0u) bound_reached = true;
         }
         // The one that carries less comes first: it can fork less often, so that few rays wait.
         bool other_first = whitted_carried(other) < whitted_carried(one);

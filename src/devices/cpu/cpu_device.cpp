@@ -95,6 +95,7 @@ class CpuDevice : public Device {
         Group group;
         std::size_t size = 0;
         const auto flush = [&] {
+            if (size == 0) return;
             std::array<PixelSample, packet_size> samples;
             integrate(pass, group, size, samples);
             for (std::size_t i = 0; i < size; ++i) {

@@ -107,6 +107,7 @@ Result<void> build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatist
 
 Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     WideBvh tree = build_wide_mesh(input.triangles);
+    if (auto r = check_index("wide BVH", tree.units.size(), std::size_t(1) << 28); !r) return r;
     arrays.wide_units = std::move(tree.units);
     arrays.order.resize(input.triangles.size());
     std::iota(arrays.order.begin(), arrays.order.end(), 0u);
