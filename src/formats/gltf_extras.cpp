@@ -15,6 +15,7 @@ using Json = nlohmann::json;
 
 constexpr int MAX_NESTING = 256;         // of JSON; glTF itself needs about ten
 constexpr std::size_t MAX_DEPTH = 1000;  // of nodes below nodes
+constexpr float MOST_IOR = 3;
 
 // Those that are read, and those that change nothing that is.
 constexpr const char* UNDERSTOOD[] = {
@@ -101,13 +102,19 @@ GltfExtras::MaterialExtras material_extras(const Json& material) {
     const Json& volume = member(extensions, "KHR_materials_volume");
     const Json& specular = member(extensions, "KHR_materials_specular");
     GltfExtras::MaterialExtras extras;
-    extras.ior = std::clamp(number(member(extensions, "KHR_materials_ior"), "ior", 1.5f), 1.0f, 3.0f);
+    const float ior = number(member(extensions, "KHR_materials_ior"), "ior", 1.5f);
+    extras.reflects_all = ior == 0;
+    if (!extras.reflects_all) extras.ior = std::clamp(ior, 1.0f, MOST_IOR);
     if (specular.is_object()) {
         const vec3 tint = color(specular, "specularColorFactor", vec3(1));
-        const float factor =
+        extras.specular =
             std::clamp(number(specular, "specularFactor", 1), 0.0f, 1.0f) * (tint.x + tint.y + tint.z) / 3;
-        const float root = std::min((extras.ior - 1) / (extras.ior + 1) * std::sqrt(factor), 0.5f);
-        extras.ior = (1 + root) / (1 - root);
+    }
+    extras.reflection_ior = extras.ior;
+    if (extras.reflects_all || extras.specular != 1) {
+        const float whole = extras.reflects_all ? 1.0f : (extras.ior - 1) / (extras.ior + 1);
+        const float root = std::min(whole * std::sqrt(extras.specular), (MOST_IOR - 1) / (MOST_IOR + 1));
+        extras.reflection_ior = (1 + root) / (1 - root);
     }
     extras.emissive_strength = number(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
     extras.unlit = member(extensions, "KHR_materials_unlit").is_object();

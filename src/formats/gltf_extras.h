@@ -22,9 +22,12 @@ struct GltfTexturePlace {
 
 struct GltfExtras {
     struct MaterialExtras {
-        float ior = 1.5f;                // KHR_materials_ior; KHR_materials_specular lowers or raises it to the same F0
-        float emissive_strength = 1.0f;  // KHR_materials_emissive_strength
-        bool unlit = false;              // KHR_materials_unlit
+        float ior = 1.5f;                                  // KHR_materials_ior, by which light is bent
+        bool reflects_all = false;                         // … 0, which bends as the default does, but reflects all
+        float specular = 1;                                // KHR_materials_specular: factor of F0
+        float reflection_ior = 1.5f;                       // index of F0 with both of these, at most 3
+        float emissive_strength = 1.0f;                    // KHR_materials_emissive_strength
+        bool unlit = false;                                // KHR_materials_unlit
         float coat = 0, coat_roughness = 0;                // KHR_materials_clearcoat
         float transmission = 0;                            // KHR_materials_transmission
         float thickness = 0;                               // KHR_materials_volume; 0: a thin wall

@@ -129,6 +129,9 @@ void make_solid_glass(Maker& maker, vec4 base, float roughness) {
     if (extras.transmission < 1 || extras.texture("transmissionTexture"))
         maker.note("a solid transmits or does not; its transmission is taken for whole");
     if (extras.coat > 0) maker.note("the clear coat of solid glass is left out");
+    if (extras.specular != 1)
+        maker.note("the specular factor of solid glass is left out, its index bends and reflects");
+    if (extras.reflects_all) maker.note("an index of refraction of 0 cannot bend light, solid glass takes 1.5");
 }
 
 void make_opacity(Maker& maker, vec4 base) {
@@ -171,7 +174,8 @@ void make_metallic_roughness(Maker& maker) {
     values.color = reflectance(*base);
     values.roughness = roughness;
     values.metallic = fraction(source, AI_MATKEY_METALLIC_FACTOR).value_or(1.0f);
-    values.ior = extras.ior;
+    values.ior = extras.reflection_ior;
+    if (extras.reflects_all) maker.note("an index of refraction of 0, which reflects all, is held to 3");
     values.color_texture = maker.color_map();
     values.roughness_texture = maker.roughness_map();
     values.metallic_texture = maker.metallic_roughness_map(aiTextureType_METALNESS);
@@ -195,6 +199,7 @@ void make_metallic_roughness(Maker& maker) {
         if (extras.thickness > 0) maker.note("a solid that transmits less than half is taken for a thin wall");
     }
     maker.emission(extras.emissive_strength);
+    if (extras.coat > 0 && values.emission != vec3(0.0f)) maker.note("the clear coat does not darken the emission");
     make_opacity(maker, *base);
 }
 

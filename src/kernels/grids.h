@@ -7,9 +7,10 @@
 KERNELS_BEGIN
 
 FN bool grid_contains(const_in(DensityGrid) grid, vec3 p) {
-    float least = min(min(p.x, p.y), p.z);
-    float over = max(max(p.x - float(grid.size.x), p.y - float(grid.size.y)), p.z - float(grid.size.z));
-    return least >= 0.0f && over < 0.0f;
+    // Comparisons alone say no to what is not a number; all are made, since that is cheaper than to branch.
+    uint lower = uint(p.x >= 0.0f) & uint(p.y >= 0.0f) & uint(p.z >= 0.0f);
+    uint upper = uint(p.x < float(grid.size.x)) & uint(p.y < float(grid.size.y)) & uint(p.z < float(grid.size.z));
+    return (lower & upper) != 0u;
 }
 
 // Sample `i`, 0 … 511, of the brick whose channel begins at word `first`.

@@ -95,6 +95,43 @@ TEST_F(GltfMaterial, specular_changes_the_index_to_one_of_the_same_reflectance) 
     EXPECT_NEAR(kernels::fresnel_f0(m.ior), 0.01f, 1e-5f);
 }
 
+TEST_F(GltfMaterial, specular_changes_what_solid_glass_reflects_not_how_it_bends_light) {
+    const std::string glass = R"("KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1}, "KHR_materials_ior": {"ior": 1.7})";
+    const kernels::Material plain = load(R"({"extensions": {)" + glass + "}}");
+    EXPECT_EQ(plain.kind, kernels::MATERIAL_DIELECTRIC);
+    EXPECT_EQ(plain.ior, 1.7f);
+    EXPECT_FALSE(noted("specular factor"));
+    const kernels::Material m =
+        load(R"({"extensions": {"KHR_materials_specular": {"specularFactor": 0.25}, )" + glass + "}}");
+    EXPECT_EQ(m.kind, kernels::MATERIAL_DIELECTRIC);
+    EXPECT_EQ(m.ior, 1.7f);
+    EXPECT_TRUE(noted("the specular factor of solid glass is left out"));
+}
+
+// An index of 0 stands for a Fresnel factor of 1.
+TEST_F(GltfMaterial, an_index_of_0_reflects_most_of_all_and_is_told) {
+    const kernels::Material m = load(R"({"extensions": {"KHR_materials_ior": {"ior": 0}}})");
+    EXPECT_NEAR(kernels::fresnel_f0(m.ior), 0.25f, 1e-5f);
+    EXPECT_TRUE(noted("which reflects all, is held to 3"));
+    const kernels::Material faint = load(R"({"extensions": {"KHR_materials_ior": {"ior": 0},
+        "KHR_materials_specular": {"specularFactor": 0.09}}})");
+    EXPECT_NEAR(kernels::fresnel_f0(faint.ior), 0.09f, 1e-5f);
+    const kernels::Material glass = load(R"({"extensions": {"KHR_materials_ior": {"ior": 0},
+        "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1}}})");
+    EXPECT_EQ(glass.kind, kernels::MATERIAL_DIELECTRIC);
+    EXPECT_EQ(glass.ior, 1.5f);
+    EXPECT_TRUE(noted("cannot bend light"));
+}
+
+TEST_F(GltfMaterial, a_coat_above_emission_is_told) {
+    const std::string coat = R"("extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}})";
+    load("{" + coat + "}");
+    EXPECT_FALSE(noted("does not darken"));
+    load(R"({"emissiveFactor": [1, 1, 1], )" + coat + "}");
+    EXPECT_TRUE(noted("the clear coat does not darken the emission"));
+}
+
 TEST_F(GltfMaterial, each_texture_takes_its_own_set_of_coordinates) {
     const kernels::Material m = load(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}},
         "normalTexture": {"index": 0}, "emissiveTexture": {"index": 0, "extensions": {"KHR_texture_transform":

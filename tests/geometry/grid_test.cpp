@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "geometry/volume/noise_bounds.h"
@@ -130,6 +131,23 @@ TEST(Grid, look_ups_equal_plain_interpolation_in_every_filter_and_precision) {
                 }
             }
     }
+}
+
+TEST(Grid, what_is_no_place_is_outside) {
+    const ivec3 size(8, 9, 10);
+    Grid grid;
+    grid.samples = *build_grid(size, blob(size));
+    grid.background = -5;
+    const Compiled c(grid);
+    EXPECT_TRUE(kernels::grid_contains(c.record, vec3(0.0f)));
+    EXPECT_TRUE(kernels::grid_contains(c.record, vec3(7.9f, 8.9f, 9.9f)));
+    const float infinity = std::numeric_limits<float>::infinity();
+    for (const float bad : {NAN, -NAN, infinity, -infinity, -1e-30f, 10.0f, 3e38f, -3e38f})
+        for (int a = 1; a < 8; ++a) {  // on some axes or all
+            const vec3 p(a & 1 ? bad : 4.0f, a & 2 ? bad : 4.0f, a & 4 ? bad : 4.0f);
+            EXPECT_FALSE(kernels::grid_contains(c.record, p)) << bad << " " << a;
+            EXPECT_EQ(kernels::grid_density(c.view, c.record, p), -5.0f);
+        }
 }
 
 TEST(Grid, vectors_have_three_channels) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "devices/cpu/dvr_packet.h"
 #include "image/metrics.h"
 #include "kernels/dvr.h"
 #include "kernels/traverse.h"
@@ -154,6 +155,46 @@ TEST_F(Dvr, plateaus_of_whole_numbers_are_on_the_side_that_the_kernel_has_them_o
     ASSERT_TRUE(difference);
     EXPECT_LT(*difference, 1e-3);
     EXPECT_GT(channel_means(images[0])[0], 0.05);
+}
+
+// Values that mean "no data" lie so far off that 16 bits over the whole range have few units for the rest.
+TEST_F(Dvr, surfaces_stay_where_they_are_beside_values_that_mean_no_data) {
+    const auto value = [](int x, int y, int z) {
+        return 1.5f - 0.08f * glm::length(vec3(float(x), float(y), float(z)) - 15.5f);
+    };
+    for (const float no_data : {-9999.0f, 1.5f, -1e30f}) {
+        write(32, [&](int x, int y, int z) {
+            const bool lost = (x * 7919 + y * 104729 + z * 1299709) % 101 == 0;
+            return lost ? no_data : std::max(value(x, y, z), 0.0f);
+        });
+        Image images[2];
+        for (int i = 0; i < 2; ++i)
+            images[i] = render_text(scene(fmt::format(R"("mode": "isosurface", "iso": 0.7, "shortcuts": {})", i == 0),
+                                          oblique, 48),
+                                    4, 1)
+                            .image();
+        const Result<double> difference = rmse(images[0], images[1]);
+        ASSERT_TRUE(difference);
+        EXPECT_LT(*difference, 0.005) << no_data;
+        EXPECT_GT(channel_means(images[0])[0], 0.05) << no_data;
+    }
+}
+
+TEST_F(Dvr, packets_take_surfaces_whose_slopes_16_bits_tell_apart) {
+    const auto taken = [&](float iso) {
+        const Result<CompiledScene> compiled =
+            compile_text(scene(fmt::format(R"("mode": "isosurface", "iso": {})", iso), oblique, 8));
+        EXPECT_TRUE(compiled) << compiled.error().message;
+        return compiled && DvrPackets::make(*compiled, compiled->dvr) != nullptr;
+    };
+    write(32, ball);
+    EXPECT_TRUE(taken(40));
+    EXPECT_TRUE(taken(1000)) << "nothing is there";
+    // A cliff, half-empty, with values far off: units are no coarser than they need to be for it.
+    write(32, [](int x, int y, int z) { return ball(x, y, z) < 50 ? -9999.5f : 2000.0f; });
+    EXPECT_TRUE(taken(40));
+    write(32, [](int x, int y, int z) { return x == 0 ? -9999.0f : 0.01f * ball(x, y, z); });
+    EXPECT_FALSE(taken(0.4f));
 }
 
 // A needle of 2×2×1000 samples along the view, in steps of a hundredth: more than a march may take.

@@ -32,6 +32,11 @@ Float8 between(Int8 pairs, Float8 x) { return mix8(lower(pairs), upper(pairs), x
 
 constexpr int far_away = 255;
 
+// Of an iso-surface: differences of two neighbours on either side of it, in units of the 16 bits.
+constexpr float flat = 8;                // rounding turns a normal by some 1 / 40 of a radian there
+constexpr float cliff = 65536.0f / 16;   // a step to values of another kind, such as those that mean "no data"
+constexpr std::uint64_t most_flat = 16;  // one in so many may be flat: surfaces have neighbours along them everywhere
+
 // Which entries of the transfer function are visible at all: how many below each are.
 std::vector<std::uint32_t> visible_before(const kernels::SceneView& view, const kernels::DvrSettings& s) {
     std::vector<std::uint32_t> count(s.table_size + 1, 0);
@@ -43,7 +48,9 @@ std::vector<std::uint32_t> visible_before(const kernels::SceneView& view, const 
 }  // namespace
 
 DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings& settings) {
-    copy_samples(view, settings);
+    measure(view, settings);
+    if (coarse_) return;
+    copy_samples(view, view.grids.at[view.media.at[settings.medium].grid]);
     bricks_ = (size_ + (brick - 1)) / brick;
     blocks_ = (size_ + (block - 1)) / block;
     // A step may go as far as this along an axis.
@@ -71,13 +78,9 @@ DvrVolume::DvrVolume(const kernels::SceneView& view, const kernels::DvrSettings&
     }
 }
 
-void DvrVolume::copy_samples(const kernels::SceneView& view, const kernels::DvrSettings& settings) {
+void DvrVolume::measure(const kernels::SceneView& view, const kernels::DvrSettings& settings) {
     const kernels::DensityGrid& grid = view.grids.at[view.media.at[settings.medium].grid];
     size_ = grid.size;
-    row_ = size_.x + 2 * margin;
-    layer_ = row_ * (size_.y + 2 * margin);
-    const int layers = size_.z + 2 * margin;
-    const auto sample = [&](ivec3 i) { return kernels::grid_sample(view, grid, i, 0); };
     // Whole numbers of a small range, as scanners write them, are kept as they are.
     std::vector<vec2> ranges(std::size_t(size_.z), vec2(1e30f, -1e30f));
     std::vector<std::uint8_t> whole(std::size_t(size_.z), 1);
@@ -85,7 +88,7 @@ void DvrVolume::copy_samples(const kernels::SceneView& view, const kernels::DvrS
         for (std::size_t z = begin; z < end; ++z)
             for (int y = 0; y < size_.y; ++y)
                 for (int x = 0; x < size_.x; ++x) {
-                    const float v = sample({x, y, int(z)});
+                    const float v = kernels::grid_sample(view, grid, {x, y, int(z)}, 0);
                     ranges[z] = {std::min(ranges[z].x, v), std::max(ranges[z].y, v)};
                     if (v != std::floor(v)) whole[z] = 0;
                 }
@@ -94,12 +97,50 @@ void DvrVolume::copy_samples(const kernels::SceneView& view, const kernels::DvrS
     for (const vec2& r : ranges) low = std::min(low, r.x), high = std::max(high, r.y);
     const bool integers =
         high - low <= 65535 && std::all_of(whole.begin(), whole.end(), [](std::uint8_t w) { return w != 0; });
-    const float unit = integers || !(high > low) ? 1.0f : (high - low) / 65535;
-    integers_ = integers;
     low_ = low;
-    unit_ = unit;
-    to_place_ = unit * settings.scale;
+    unit_ = integers || !(high > low) ? 1.0f : (high - low) / 65535;
+    to_place_ = unit_ * settings.scale;
     place_zero_ = (low - settings.low) * settings.scale;
+    coarse_ = !integers && (to_place_ > 0.25f ||
+                            (settings.mode == kernels::DVR_ISOSURFACE && is_iso_coarse(view, grid, settings.iso)));
+}
+
+// Only the slopes at the surface tell: the range of all values says nothing where most of a volume is empty.
+bool DvrVolume::is_iso_coarse(const kernels::SceneView& view, const kernels::DensityGrid& grid, float iso) const {
+    struct Count {
+        std::uint64_t flat = 0, all = 0;
+    };
+    std::vector<Count> counts(std::size_t(size_.z));
+    parallel_for(std::size_t(size_.z), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t z = begin; z < end; ++z) {
+            Count count;
+            const auto look = [&](float v, ivec3 neighbour) {
+                const float w = kernels::grid_sample(view, grid, glm::min(neighbour, size_ - 1), 0);
+                if ((v >= iso) == (w >= iso)) return;
+                const float difference = std::abs(v - w);
+                count.flat += difference < flat * unit_;
+                count.all += difference < cliff * unit_;
+            };
+            for (int y = 0; y < size_.y; ++y)
+                for (int x = 0; x < size_.x; ++x) {
+                    const ivec3 at(x, y, int(z));
+                    const float v = kernels::grid_sample(view, grid, at, 0);
+                    look(v, at + ivec3(1, 0, 0));
+                    look(v, at + ivec3(0, 1, 0));
+                    look(v, at + ivec3(0, 0, 1));
+                }
+            counts[z] = count;
+        }
+    });
+    Count sum;
+    for (const Count& count : counts) sum.flat += count.flat, sum.all += count.all;
+    return sum.flat * most_flat > sum.all;
+}
+
+void DvrVolume::copy_samples(const kernels::SceneView& view, const kernels::DensityGrid& grid) {
+    row_ = size_.x + 2 * margin;
+    layer_ = row_ * (size_.y + 2 * margin);
+    const int layers = size_.z + 2 * margin;
     samples_.resize(std::size_t(layer_) * std::size_t(layers) + 2);
     parallel_for(std::size_t(layers), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k)
@@ -107,7 +148,7 @@ void DvrVolume::copy_samples(const kernels::SceneView& view, const kernels::DvrS
                 for (int i = 0; i < row_; ++i) {
                     const ivec3 at = glm::clamp(ivec3(i, j, int(k)) - margin, ivec3(0), size_ - 1);
                     samples_[std::size_t(i) + std::size_t(row_) * std::size_t(j) + std::size_t(layer_) * k] =
-                        std::uint16_t(std::lround((sample(at) - low) / unit));
+                        std::uint16_t(std::lround((kernels::grid_sample(view, grid, at, 0) - low_) / unit_));
                 }
     });
 }

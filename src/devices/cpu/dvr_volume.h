@@ -22,9 +22,10 @@ class DvrVolume {
 
     ivec3 size() const { return size_; }
 
-    // Whether a unit of the 16 bits is more than a quarter of an entry of the transfer function, since the volume's
-    // values reach far beyond those that are shown.
-    bool is_coarse() const { return to_place_ > 0.25f && !integers_; }
+    // Whether 16 bits do not tell apart what is shown, since the volume's values reach far beyond it: a unit is more
+    // than a quarter of an entry of the transfer function, or an iso-surface lies on slopes of few units. Then the rest
+    // is not made, and nothing else may be asked.
+    bool is_coarse() const { return coarse_; }
 
     // In units of the 16 bits, at eight points of index space, which are first moved into the volume.
     Float8 value(const Vec8& p) const;
@@ -58,7 +59,10 @@ class DvrVolume {
     Range range(const std::vector<std::uint32_t>& ranges, ivec3 count, int edge, const Vec8& p) const;
     static Int8 index_of(ivec3 count, int edge, const Vec8& p);
 
-    void copy_samples(const kernels::SceneView& view, const kernels::DvrSettings& settings);
+    // Chooses the units.
+    void measure(const kernels::SceneView& view, const kernels::DvrSettings& settings);
+    bool is_iso_coarse(const kernels::SceneView& view, const kernels::DensityGrid& grid, float iso) const;
+    void copy_samples(const kernels::SceneView& view, const kernels::DensityGrid& grid);
     // For each brick of some edge, least and greatest of its samples and of `reach` more to all sides: in the lower and
     // the upper half.
     std::vector<std::uint32_t> ranges_of(ivec3 count, int edge, int reach) const;
@@ -67,7 +71,7 @@ class DvrVolume {
     ivec3 size_ = {0, 0, 0};
     int row_ = 0, layer_ = 0;
     std::vector<std::uint16_t> samples_;
-    bool integers_ = false;                // 16 bits hold the values exactly
+    bool coarse_ = false;
     float low_ = 0, unit_ = 1;             // data = low + unit · value
     float to_place_ = 1, place_zero_ = 0;  // entry = value · to_place_ + place_zero_
     ivec3 bricks_ = {0, 0, 0}, blocks_ = {0, 0, 0};
