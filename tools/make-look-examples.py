@@ -350,9 +350,9 @@ def shafts():
     scene = {
         "version": 1,
         "camera": camera((9.6, 4.2, 42), (13.6, 8.2, 14), 56),
-        "film": {"size": [960, 540], "exposure": 0.4},
-        "integrator": {"spp": 4096, "clamp": 2, "max_bounces": 6},
-        "environment": {"type": "constant", "radiance": [0.35, 0.5, 0.75]},
+        "film": {"size": [960, 540], "exposure": 1.2},
+        "integrator": {"type": "single-scatter", "spp": 16},
+        "environment": {"type": "constant", "radiance": [0.025, 0.033, 0.05]},
         "lights": [{"type": "directional", "direction": [-1, -0.85, -0.25], "irradiance": [60, 50, 36], "angular_radius": 0.265}],
         "media": {"haze": {"scattering": 0.014, "absorption": 0.001, "g": 0.35}},
         "materials": {"stone": {"type": "diffuse", "color": [0.48, 0.43, 0.37]}, "tile": {"type": "diffuse", "color": [0.25, 0.23, 0.22]},
