@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "devices/cpu/voxel_packet.h"
@@ -23,6 +24,7 @@ namespace {
 using namespace kernels;
 
 constexpr int bundle_packets = 8;
+constexpr std::size_t cache_line = 64;
 
 struct Range {
     __m256 low, high;
@@ -59,7 +61,12 @@ bool gather(const VoxelGrid& grid, std::span<const Ray> rays, Bundle& b) {
     __m256 first_origin[3], first_direction[3], turn = _mm256_setzero_ps();
     for (int i = 0; i < b.count; ++i) {
         RayColumns& ray = b.rays[i];
-        ray = ray_columns(&rays[std::size_t(i * packet_size)]);
+        const Ray* const eight = &rays[std::size_t(i * packet_size)];
+        ray = ray_columns(eight);
+        // The next bundle most likely follows.
+        const auto next = reinterpret_cast<std::uintptr_t>(eight) + bundle_packets * packet_size * sizeof(Ray);
+        for (std::size_t at = 0; at < packet_size * sizeof(Ray); at += cache_line)
+            _mm_prefetch(reinterpret_cast<const char*>(next + at), _MM_HINT_T0);
         if (i == 0) {
             for (int a = 0; a < 3; ++a) {
                 first_origin[a] = front(ray.origin[a]);
