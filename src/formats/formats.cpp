@@ -162,7 +162,8 @@ Result<Scene> load_model(const std::filesystem::path& path, const LoadOptions& o
         return format->load(path, options);
     }
     std::error_code unread;
-    if (!std::filesystem::exists(path, unread)) return cannot_read(path, "there is no such file");
+    if (extension_of(path).empty() && !std::filesystem::exists(path, unread))
+        return cannot_read(path, "there is no such file");
     return cannot_read(path, "unknown extension '" + extension_of(path) +
                                  "'; readable: " + extension_list([](const Format&) { return true; }));
 }
