@@ -212,7 +212,8 @@ TEST(Bsdf, never_returns_more_than_it_gets) {
         for (const Case& c : all_cases({0.0f, 0.1f, 0.25f, 0.6f, 1.0f}, vec3(level))) {
             for (float cosine : {0.05f, 0.3f, 0.7f, 1.0f}) {
                 // Light between the microfacets of a wall comes in rare bright samples.
-                EXPECT_LE(max_component(vec3(albedo(c, at_angle(cosine), 8192))), c.layered ? 1.02f : 1.01f)
+                // Thin walls have rare bright samples, so layers take more of them.
+                EXPECT_LE(max_component(vec3(albedo(c, at_angle(cosine), c.layered ? 65536 : 8192))), 1.01f)
                     << c.name << ", cosine " << cosine << ", color " << level;
             }
         }
