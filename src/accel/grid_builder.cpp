@@ -45,28 +45,30 @@ class Builder {
         std::iota(all.begin(), all.end(), 0u);
         out_.words.push_back(0);
         out_.grids.resize(1);
-        finest_ = glm::vec3(kernels::INFINITE);
         const double area = half_area(glm::dvec3(bounds.upper - bounds.lower));
-        // Coarser, where each of many primitives lies in very many cells; the coarsest grid has one cell.
+        // Coarser, where each of many primitives lies in very many cells; the coarsest grid has one cell. And where
+        // cells may be refined, not so fine along a short axis that rays from outside are soon out of reach.
         double density = options_.density;
-        CellGrid grid = choose(bounds, density * double(all.size()), kernels::GRID_MAX_CELLS);
+        const glm::vec3 extent = bounds.upper - bounds.lower;
+        const double edge = options_.refine_above > 0
+                                ? double(std::max({extent.x, extent.y, extent.z})) / kernels::GRID_MAX_CELLS
+                                : 0.0;
+        CellGrid grid = choose(bounds, density * double(all.size()), kernels::GRID_MAX_CELLS, edge);
         auto entries = entries_of(grid, all, spare_);
         for (; !entries; entries = entries_of(grid, all, spare_)) {
             density /= 8;
-            grid = choose(bounds, density * double(all.size()), kernels::GRID_MAX_CELLS);
+            grid = choose(bounds, density * double(all.size()), kernels::GRID_MAX_CELLS, edge);
         }
         spare_ -= std::min(spare_, entries->size());
         const double cost = fill(0, grid, std::move(*entries), 0);
         out_.sah_cost = area > 0 ? cost / area : cost;
-        out_.words[0] = std::uint32_t(out_.grids.size());
-        out_.grids.push_back({bounds.lower, 0, finest_, 1.0f / finest_, glm::ivec3(1)});
         put_in_order();
         return std::move(out_);
     }
 
   private:
-    // About so many cells, at least one, as near to cubes as that lets them be.
-    CellGrid choose(const Box& bounds, double count, int most) const {
+    // About so many cells, at least one, as near to cubes as that lets them be, of edges of about `shortest` at least.
+    CellGrid choose(const Box& bounds, double count, int most, double shortest) const {
         glm::dvec3 extent = glm::dvec3(bounds.upper) - glm::dvec3(bounds.lower);
         const double longest =
             std::max({extent.x, extent.y, extent.z, double(largest_) * double(smallest_cell), 1e-30});
@@ -80,7 +82,7 @@ class Builder {
                 if (extent[a] > edge) volume *= extent[a], ++axes;
             if (axes > 0) edge = std::pow(volume / count, 1.0 / axes);
         }
-        edge = std::max(edge, double(largest_) * double(smallest_cell));
+        edge = std::max({edge, shortest, double(largest_) * double(smallest_cell)});
         CellGrid grid{};
         for (int a = 0; a < 3; ++a) {
             grid.size[a] = std::clamp(int(extent[a] / edge + 0.5), 1, most);
@@ -119,7 +121,6 @@ class Builder {
 
     // Fills grid `index` with what is there; returns its cost times its half area.
     double fill(std::size_t index, const CellGrid& grid, std::vector<Entry>&& entries, std::uint32_t level) {
-        finest_ = glm::min(finest_, grid.cell);
         out_.depth = std::max(out_.depth, level);
         const auto cell_count = std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z);
         const std::size_t cell_first = out_.words.size();
@@ -144,14 +145,21 @@ class Builder {
                     continue;
                 }
             }
-            out_.words[cell_first + c] = std::uint32_t(out_.words.size());
-            list_firsts_.push_back(out_.words.size());
-            out_.words.push_back(std::uint32_t(count));
-            out_.words.insert(out_.words.end(), list.begin(), list.end());
+            const std::uint32_t place = append(list);
+            out_.words[cell_first + c] = place;
             ++out_.list_count;
             cost += area * double(count);
         }
         return cost;
+    }
+
+    // Says where the list begins among the words.
+    std::uint32_t append(std::span<const std::uint32_t> list) {
+        const std::size_t first = out_.words.size();
+        list_firsts_.push_back(first);
+        out_.words.push_back(std::uint32_t(list.size()));
+        out_.words.insert(out_.words.end(), list.begin(), list.end());
+        return std::uint32_t(first);
     }
 
     // Makes a cell, which stands at `word`, a grid, if that is cheaper than its list even if no cell of it is refined
@@ -162,19 +170,24 @@ class Builder {
         const glm::vec3 place(float(x), float(yz % grid.size.y), float(yz / grid.size.y));
         const glm::vec3 lower = grid.lower + place * grid.cell;
         const CellGrid inner =
-            choose({lower, lower + grid.cell}, options_.density * double(list.size()), finest_refinement);
+            choose({lower, lower + grid.cell}, options_.density * double(list.size()), finest_refinement, 0);
         if (inner.size == glm::ivec3(1)) return std::nullopt;
-        auto entries = entries_of(inner, list, std::min(growth_of_cell * list.size(), list.size() + spare_));
+        auto entries = entries_of(inner, list, std::min(growth_of_cell * list.size(), spare_));
         if (!entries) return std::nullopt;
         const double cells = double(inner.size.x) * double(inner.size.y) * double(inner.size.z);
         const double estimate = half_area(inner.cell) * (cells * double(options_.step_cost) + double(entries->size()));
         // As much must be gained as the way into the grid costs.
         const double area = half_area(grid.cell);
         if (!(estimate + area * 4 * double(options_.step_cost) < area * double(list.size()))) return std::nullopt;
-        spare_ -= entries->size() > list.size() ? entries->size() - list.size() : 0;
+        spare_ -= entries->size();
         const std::size_t index = out_.grids.size();
         out_.grids.emplace_back();
+        const std::size_t whole = out_.words.size();
+        out_.words.push_back(0);
         const double cost = fill(index, inner, std::move(*entries), level + 1);
+        const std::uint32_t first =
+            append(list);  // for rays from so far away that they cannot tell the inner cells apart
+        out_.words[whole] = first;
         out_.words[word] = kernels::GRID_REFINED | std::uint32_t(index);
         return cost;
     }
@@ -202,7 +215,6 @@ class Builder {
     const GridOptions options_;
     std::size_t spare_;  // references that may still be added
     float largest_;
-    glm::vec3 finest_;
     Grid3 out_;
     std::vector<std::size_t> list_firsts_;
 };

@@ -32,8 +32,8 @@ struct GridOptions {
 };
 
 struct Grid3 {
-    std::vector<kernels::MeshGrid> grids;  // the first holds all, and the last tells the edges of the finest cells
-    // The number of that last grid; then cells and lists, each its length and places in `order`.
+    std::vector<kernels::MeshGrid> grids;  // the first holds all
+    // Nothing; then cells and lists, each its length and places in `order`.
     std::vector<std::uint32_t> words;
     std::vector<std::uint32_t> order;  // of all boxes, those of a cell together where possible
     double sah_cost = 0;               // of a ray that meets the bounds, in primitive tests

@@ -40,8 +40,7 @@ FN StreamRay stream_begin(const_in(SceneView) scene, uint mesh, const_in(MeshRay
         s.state = STREAM_DEAD;
         return s;
     }
-    uint finest = grid + scene.words.at[scene.meshes.at[mesh].reference_first];
-    if (!grid_in_reach(ray.ray.origin, lower, upper, scene.mesh_grids.at[finest].cell)) {
+    if (!grid_in_reach(scene, grid, grid_shortest(ray.ray.origin, lower, upper))) {
         s.walk = grid_open(scene, grid, ray);
         mesh_grid_walk(scene, mesh, ray, s.nearest, count);  // as one: it asks every triangle
         s.state = stream_end(s.nearest);

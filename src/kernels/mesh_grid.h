@@ -9,8 +9,9 @@
 // tested twice: a mailbox remembers the last few.
 //
 // Crossings are computed from the cells' integer coordinates, not accumulated. Cells own what comes within GRID_MARGIN
-// of a cell's edge to them, and more than that no rounding moves a ray which begins within GRID_REACH cells of the
-// grid. From farther away floats cannot tell one cell from the next: such a ray asks every triangle.
+// of a cell's edge to them, and more than that no rounding moves a ray which begins within GRID_REACH of these cells of
+// the mesh. From farther away floats cannot tell one cell from the next: to such a ray a grid within a cell is that
+// cell's list, and if the first grid is too fine, it asks every triangle.
 #include "mesh_triangles.h"
 KERNELS_BEGIN
 
@@ -97,11 +98,15 @@ FN uint grid_cell(const_in(SceneView) scene, uint reference_first, const_in(Grid
     return scene.words.at[reference_first + scene.mesh_grids.at[walk.grid].cell_first + i];
 }
 
-// Whether rounding moves the ray by less than a margin in the mesh's finest cells, whose edges are `finest`.
-FN bool grid_in_reach(vec3 origin, vec3 lower, vec3 upper, vec3 finest) {
-    vec3 farthest = max(abs(origin - lower), abs(origin - upper));
-    return farthest.x < GRID_REACH * finest.x && farthest.y < GRID_REACH * finest.y &&
-           farthest.z < GRID_REACH * finest.z;
+// Cells of longer edges than these are in reach of a ray that begins there: rounding moves it by less than their
+// margin.
+FN vec3 grid_shortest(vec3 origin, vec3 lower, vec3 upper) {
+    return max(abs(origin - lower), abs(origin - upper)) / GRID_REACH;
+}
+
+FN bool grid_in_reach(const_in(SceneView) scene, uint grid, vec3 shortest) {
+    vec3 cell = scene.mesh_grids.at[grid].cell;
+    return shortest.x < cell.x && shortest.y < cell.y && shortest.z < cell.z;
 }
 
 // Tests a cell's triangles; true if one is found and any will do.
@@ -128,9 +133,8 @@ FN_ANEW void mesh_grid_walk(const_in(SceneView) scene, uint mesh, const_in(MeshR
     vec2 span = slab_interval(lower, upper, ray.slab, nearest.hit.t);
     ++count.boxes;
     if (span.x > span.y) return;
-    // The first grid stands for the whole mesh, and says in a last record of one cell how fine it gets.
-    uint finest = grid_first + scene.words.at[reference_first];
-    if (!grid_in_reach(ray.ray.origin, lower, upper, scene.mesh_grids.at[finest].cell)) {
+    vec3 shortest = grid_shortest(ray.ray.origin, lower, upper);
+    if (!grid_in_reach(scene, grid_first, shortest)) {
         uint end = ray.triangle_first + scene.meshes.at[mesh].triangle_count;
         for (uint i = ray.triangle_first; i < end; ++i) {
             ++count.tests;
@@ -149,11 +153,15 @@ FN_ANEW void mesh_grid_walk(const_in(SceneView) scene, uint mesh, const_in(MeshR
         uint content = grid_cell(scene, reference_first, walk);
         float leave = min(walk.next.x, min(walk.next.y, walk.next.z));
         if ((content & GRID_REFINED) != 0u) {
-            stack.grid[level] = walk.grid;
-            stack.cell[level] = walk.cell;
-            ++level;
-            walk = grid_enter(scene, grid_first + (content ^ GRID_REFINED), ray, enter);
-            continue;
+            uint inner = grid_first + (content ^ GRID_REFINED);
+            if (grid_in_reach(scene, inner, shortest)) {
+                stack.grid[level] = walk.grid;
+                stack.cell[level] = walk.cell;
+                ++level;
+                walk = grid_enter(scene, inner, ray, enter);
+                continue;
+            }
+            content = scene.words.at[reference_first + scene.mesh_grids.at[inner].cell_first - 1u];
         }
         if (content != 0u && grid_list(scene, ray, reference_first + content, mailbox, nearest, count)) return;
         for (;;) {

@@ -139,6 +139,7 @@ const Case cases[] = {
     {"strips", [] { return strips(); }},
     {"teapot in the stadium",
      [] { return together(moved(icosphere(4), 0.02f, vec3(3, 1, -2)), moved(steps(), 10, vec3(-40, 0, -40))); }},
+    {"pearl in a ball", [] { return together(icosphere(3), moved(icosphere(4), 0.01f, vec3(0.3f, 0.2f, 0.1f))); }},
 };
 
 // ------------------------------------------------------------------------------------------------------------ rays
@@ -236,6 +237,10 @@ const std::vector<Naive>& naive_of(std::size_t which, kernels::uint test, const 
     return list;
 }
 
+bool is_watertight(const TriangleTest& test) {
+    return test.test == kernels::TRIANGLE_WATERTIGHT || test.test == kernels::TRIANGLE_INDEXED;
+}
+
 class MeshStructures : public testing::TestWithParam<std::tuple<std::size_t, std::size_t>> {
   protected:
     const MeshStructure& structure() const { return mesh_structures()[std::get<0>(GetParam())]; }
@@ -250,7 +255,7 @@ TEST_P(MeshStructures, closest_and_any_hit_equal_brute_force_on_adversarial_rays
         TestScene built;
         built.place(kernels::GEOMETRY_MESH, built.add(mesh, {structure().name, test().name}));
         const SceneView& scene = built.view();
-        const bool exact = test().test == kernels::TRIANGLE_WATERTIGHT || test().test == kernels::TRIANGLE_INDEXED;
+        const bool exact = is_watertight(test());
         int found = 0, excused = 0;
         const std::vector<Ray> rays = rays_for(mesh);
         const std::vector<Naive>& naive = naive_of(which, test().test, scene, rays);
@@ -280,10 +285,11 @@ TEST_P(MeshStructures, closest_and_any_hit_equal_brute_force_on_adversarial_rays
     }
 }
 
+// With the tests by which neighbours agree about their edge.
+class WatertightStructures : public MeshStructures {};
+
 // An edge is moved by the rounding of its ends, 1000 away, and not by that of where a ray meets it.
-TEST_P(MeshStructures, no_ray_falls_between_long_strips) {
-    if (test().test != kernels::TRIANGLE_WATERTIGHT && test().test != kernels::TRIANGLE_INDEXED)
-        GTEST_SKIP() << "neighbours may disagree about their edge";
+TEST_P(WatertightStructures, no_ray_falls_between_long_strips) {
     struct Placed {
         float scale;
         vec3 by;
@@ -313,6 +319,33 @@ TEST_P(MeshStructures, no_ray_falls_between_long_strips) {
             Hit placed_hit = kernels::trace_closest(scene, ray, kernels::TRACE_ALL);
             ASSERT_EQ(placed_hit.t, hit.t) << describe(ray);
         }
+    }
+}
+
+// What lies close together somewhere is out of reach for rays from afar; for the rest of the mesh they walk all the
+// same.
+TEST(HierarchicalGrid, a_dense_spot_costs_only_rays_that_come_by) {
+    const vec3 spot(0.3f, 0.2f, 0.1f);
+    TestScene built;
+    const MeshGeometry mesh = together(icosphere(5), moved(icosphere(5), 0.002f, spot));
+    built.place(kernels::GEOMETRY_MESH, built.add(mesh, {"grid-hierarchical", "watertight"}));
+    const SceneView& scene = built.view();
+    Random random(12);
+    for (const float away : {1.8f, 2.5f, 8.0f, 18.0f}) {
+        SCOPED_TRACE(away);
+        double tests = 0;
+        constexpr int rays = 1000;
+        for (int i = 0; i < rays; ++i) {
+            const vec3 from = away * glm::normalize(vec3(1, 2, -3) + random.in_cube(1));
+            const vec3 at = i % 20 ? random.in_cube(0.8f) : spot + random.in_cube(0.002f);
+            const Ray ray(from, 0, at - from, kernels::INFINITE);
+            Hit hit = kernels::no_hit(ray.t_max);
+            kernels::WalkCount count = kernels::no_count();
+            kernels::mesh_closest_counted(scene, 0, ray, hit, count);
+            if (i % 20 != 0) tests += count.tests;
+            if (i % 20 < 2) { ASSERT_EQ(hit.t, naive_closest(scene, ray).t) << describe(ray); }
+        }
+        EXPECT_LT(tests / rays, 100);
     }
 }
 
@@ -376,6 +409,18 @@ INSTANTIATE_TEST_SUITE_P(All, MeshBudgets, testing::Range(std::size_t(0), mesh_s
 INSTANTIATE_TEST_SUITE_P(All, MeshStructures,
                          testing::Combine(testing::Range(std::size_t(0), mesh_structures().size()),
                                           testing::Range(std::size_t(0), triangle_tests().size())),
+                         parameter_name);
+
+std::vector<std::size_t> watertight_tests() {
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < triangle_tests().size(); ++i)
+        if (is_watertight(triangle_tests()[i])) list.push_back(i);
+    return list;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, WatertightStructures,
+                         testing::Combine(testing::Range(std::size_t(0), mesh_structures().size()),
+                                          testing::ValuesIn(watertight_tests())),
                          parameter_name);
 
 }  // namespace
