@@ -162,7 +162,7 @@ TEST_F(Dvr, surfaces_stay_where_they_are_beside_values_that_mean_no_data) {
     const auto value = [](int x, int y, int z) {
         return 1.5f - 0.08f * glm::length(vec3(float(x), float(y), float(z)) - 15.5f);
     };
-    for (const float no_data : {-9999.0f, 1.5f, -1e30f}) {
+    for (const float no_data : {-9999.0f, -600.0f, -300.0f, -150.0f, 1.5f, -1e30f}) {
         write(32, [&](int x, int y, int z) {
             const bool lost = (x * 7919 + y * 104729 + z * 1299709) % 101 == 0;
             return lost ? no_data : std::max(value(x, y, z), 0.0f);
