@@ -75,7 +75,7 @@ Result<std::vector<ScalingRow>> bench_scaling(const Scene& scene, const MeshBenc
     alone.objects = {object};
     MeshBench timed = options;
     timed.heat_edge = 0;
-    for (; mesh.triangles.size() >= coarsest; mesh = quarter(mesh)) {
+    while (mesh.triangles.size() >= coarsest) {
         alone.geometries = {Geometry{"mesh", mesh}};
         BenchRays rays;
         {
@@ -89,6 +89,10 @@ Result<std::vector<ScalingRow>> bench_scaling(const Scene& scene, const MeshBenc
             list.push_back({row.structure, mesh.triangles.size(), row.build_ms, row.build_ms_two_threads,
                             row.mrays_per_s, row.nodes_per_ray, row.tests_per_ray});
         if (mesh.triangles.size() < 4 * coarsest) break;
+        MeshGeometry coarser = quarter(mesh);
+        // Triangles between the same distant vertices stay as many, however coarse the lattice is.
+        if (coarser.triangles.size() > mesh.triangles.size() / 2) break;
+        mesh = std::move(coarser);
     }
     return list;
 }
