@@ -42,12 +42,27 @@ std::vector<Ray> every(std::size_t stride, const std::vector<Ray>& rays) {
     return some;
 }
 
-bool same(const Hit& a, const Hit& b, bool any) {
+const Trace& trace_of(const BenchStructure& s, bool any) { return any && s.any ? s.any : s.closest; }
+
+bool same(const Hit& a, const Hit& b, bool any, bool exact) {
     if (kernels::is_hit(a) != kernels::is_hit(b)) return false;
-    return any || !kernels::is_hit(a) || (a.cell == b.cell && std::abs(a.t - b.t) <= 1e-4f * std::abs(a.t));
+    if (any || !kernels::is_hit(a)) return true;
+    if (exact) return a.t == b.t && a.instance == b.instance && a.primitive == b.primitive;
+    return a.cell == b.cell && std::abs(a.t - b.t) <= 1e-4f * std::abs(a.t);
 }
 
-const Trace& trace_of(const BenchStructure& s, bool any) { return any && s.any ? s.any : s.closest; }
+// Hits as they are compared: triangles by their numbers in the mesh, where the structure tells them.
+std::vector<Hit> seen_by(const BenchStructure& s, std::span<const Ray> rays, bool any) {
+    std::vector<Hit> hits(rays.size());
+    if (rays.empty()) return hits;
+    trace_of(s, any)(rays, hits.data());
+    if (s.triangle && !any)
+        for (Hit& hit : hits)
+            if (kernels::is_hit(hit)) hit.primitive = s.triangle(hit);
+    return hits;
+}
+
+std::string identity(const BenchStructure& s) { return s.name + ' ' + s.preset; }
 
 }  // namespace
 
@@ -58,9 +73,9 @@ Measurement::Measurement(std::string subject, std::string kind, const std::vecto
       rays_(rays),
       any_(any),
       repeats_(repeats),
-      expected_(rays.size()) {
-    if (!rays.empty()) trace_of(first, any)(rays, expected_.data());
-}
+      first_(identity(first)),
+      exact_(bool(first.triangle)),
+      expected_(seen_by(first, rays, any)) {}
 
 void Measurement::add(const BenchStructure& s, std::vector<BenchRow>& rows) const {
     if (rays_.size() < 8) return;
@@ -76,12 +91,13 @@ void Measurement::add(const BenchStructure& s, std::vector<BenchRow>& rows) cons
     row.depth = s.depth;
     row.bytes = s.bytes;
     row.mrays_per_s = 1e-6 * rays_per_second(trace_of(s, any_), some, repeats_);
-    std::vector<Hit> found(some.size());
-    trace_of(s, any_)(some, found.data());
-    std::size_t differing = 0;
-    for (std::size_t i = 0; i < found.size(); ++i)
-        differing += !same(expected_[i / 8 * 8 * s.stride + i % 8], found[i], any_);
-    row.differing = double(differing) / double(found.size());
+    if (identity(s) != first_) {
+        const std::vector<Hit> found = seen_by(s, some, any_);
+        std::size_t differing = 0;
+        for (std::size_t i = 0; i < found.size(); ++i)
+            differing += !same(expected_[i / 8 * 8 * s.stride + i % 8], found[i], any_, exact_ && s.triangle);
+        row.differing = double(differing) / double(found.size());
+    }
     if (s.count) {
         double nodes = 0, boxes = 0, tests = 0;
         for (const Ray& ray : some) {

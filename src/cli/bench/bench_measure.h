@@ -15,7 +15,7 @@ struct BenchRow {
     std::uint32_t depth = 0;
     double bytes = 0, mrays_per_s = 0;
     double nodes_per_ray = -1, boxes_per_ray = -1, tests_per_ray = -1;  // below 0: not counted
-    double differing = 0;  // share of rays that see something else than the first structure does
+    double differing = -1;  // share of rays that see something else than the first structure does; below 0: it is that
 };
 
 // Processor time of the whole program so far.
@@ -35,6 +35,8 @@ class Measurement {
     const std::vector<kernels::Ray>& rays_;
     bool any_;
     int repeats_;
+    std::string first_;  // by name and preset
+    bool exact_;
     std::vector<kernels::Hit> expected_;
 };
 

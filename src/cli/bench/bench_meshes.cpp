@@ -51,6 +51,11 @@ BenchStructure structure_of(const MeshStructure& row, const std::shared_ptr<cons
         for (std::size_t i = 0; i < rays.size(); ++i)
             hits[i].instance = kernels::trace_any(view, rays[i], kernels::TRACE_ALL) ? 0 : kernels::NONE;
     };
+    s.triangle = [scene](const Hit& hit) {
+        const kernels::Instance& shown = scene->instances[hit.instance];
+        return shown.geometry_kind == kernels::GEOMETRY_MESH ? scene->triangle_infos[hit.primitive].primitive
+                                                             : hit.primitive;
+    };
     s.count = [scene, view = scene->view()](const Ray& ray, bool any) {
         kernels::WalkCount count = kernels::no_count();
         if (any) kernels::trace_any_counted(view, ray, kernels::TRACE_ALL, count);

@@ -23,12 +23,13 @@ std::string table_text(const BenchReport& report) {
         const std::string name = row.preset.empty() ? row.structure : row.structure + " " + row.preset;
         const bool meshes = row.subject == "meshes" && report.triangles > 0;
         text += fmt::format(
-            "{:<8} {:<18} {:<8} {:>8.3f} {:>9.2f} {:>9} {:>6} {:>6} {:>6} {:>9.3f} {:>9} {:>7} {:>5} {:>7.4f}%\n",
+            "{:<8} {:<18} {:<8} {:>8.3f} {:>9.2f} {:>9} {:>6} {:>6} {:>6} {:>9.3f} {:>9} {:>7} {:>5} {:>8}\n",
             row.subject, name, row.rays, row.mrays_per_s, row.build_ms,
             row.build_ms_two_threads > 0 ? fmt::format("{:.2f}", row.build_ms_two_threads) : "-",
             number(row.nodes_per_ray), number(row.boxes_per_ray), number(row.tests_per_ray), 1e-6 * row.bytes,
             meshes ? number(row.bytes / double(report.triangles)) : "-", row.sah_cost > 0 ? number(row.sah_cost) : "-",
-            row.depth > 0 ? fmt::format("{}", row.depth) : "-", 100 * row.differing);
+            row.depth > 0 ? fmt::format("{}", row.depth) : "-",
+            row.differing < 0 ? "-" : fmt::format("{:.4f}%", 100 * row.differing));
     }
     if (!report.scaling.empty())
         text += fmt::format("\n{:<18} {:>10} {:>10} {:>10} {:>9} {:>7} {:>7}\n", "structure", "triangles", "build ms",
@@ -49,11 +50,18 @@ std::string table_text(const BenchReport& report) {
 std::string rows_json(const BenchReport& report) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array(), scaling = nlohmann::ordered_json::array();
     for (const BenchRow& row : report.rows) {
-        nlohmann::ordered_json json = {
-            {"subject", row.subject},   {"structure", row.structure},     {"preset", row.preset},
-            {"rays", row.rays},         {"mrays_per_s", row.mrays_per_s}, {"build_ms", row.build_ms},
-            {"bytes", row.bytes},       {"nodes_per_ray", nullptr},       {"boxes_per_ray", nullptr},
-            {"tests_per_ray", nullptr}, {"differing", row.differing}};
+        nlohmann::ordered_json json = {{"subject", row.subject},
+                                       {"structure", row.structure},
+                                       {"preset", row.preset},
+                                       {"rays", row.rays},
+                                       {"mrays_per_s", row.mrays_per_s},
+                                       {"build_ms", row.build_ms},
+                                       {"bytes", row.bytes},
+                                       {"nodes_per_ray", nullptr},
+                                       {"boxes_per_ray", nullptr},
+                                       {"tests_per_ray", nullptr},
+                                       {"differing", nullptr}};
+        if (row.differing >= 0) json["differing"] = row.differing;
         if (row.nodes_per_ray >= 0) {
             json["nodes_per_ray"] = row.nodes_per_ray;
             json["boxes_per_ray"] = row.boxes_per_ray;

@@ -90,7 +90,8 @@ Result<std::vector<ScalingRow>> bench_scaling(const Scene& scene, const MeshBenc
                             row.mrays_per_s, row.nodes_per_ray, row.tests_per_ray});
         if (mesh.triangles.size() < 4 * coarsest) break;
         MeshGeometry coarser = quarter(mesh);
-        if (coarser.triangles.size() > mesh.triangles.size() / 2) break;  // far apart as they are, none can be left out
+        // Triangles between the same distant vertices stay as many, however coarse the lattice is.
+        if (coarser.triangles.size() > mesh.triangles.size() / 2) break;
         mesh = std::move(coarser);
     }
     return list;

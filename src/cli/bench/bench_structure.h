@@ -17,7 +17,8 @@ struct BenchStructure {
     std::string name;
     double build_ms = 0;
     double bytes = 0;  // of the structure alone: topology, not what the hits look like
-    // Answers rays, a multiple of eight: t, and of voxels the cell, are compared; `instance` is NONE for a miss.
+    // Answers rays, a multiple of eight: t, within 1e-4 of it, and of voxels the cell, are compared; `instance` is NONE
+    // for a miss.
     std::function<void(std::span<const kernels::Ray>, kernels::Hit*)> closest;
     std::function<void(std::span<const kernels::Ray>, kernels::Hit*)> any = {};  // missing: closest will do
     std::size_t stride = 1;                                                      // slow ones take every so many groups
@@ -27,6 +28,9 @@ struct BenchStructure {
     std::uint32_t depth = 0;
     std::string preset = {};                                                      // of the builder, if it has several
     std::function<kernels::WalkCount(const kernels::Ray&, bool any)> count = {};  // what a ray costs
+    // The triangle of a hit, by its number in the mesh. Two structures that tell it are compared by it, and by t's
+    // bits.
+    std::function<kernels::uint(const kernels::Hit&)> triangle = {};
 };
 
 // Of the whole scene, in the order of the table; the first is what the others are compared with.
