@@ -42,9 +42,9 @@ def main():
         if not stamp.exists() or any(not f.exists() or f.stat().st_mtime > stamp.stat().st_mtime for f in read):
             due.append((source, stamp))
 
-    # clang does not read what g++ precompiled; without it, every source has to include what it uses.
+    # clang does not read what g++ precompiled; without it, every source has to include what it uses. Parameters are g++'s.
     for command in commands:
-        command["command"] = re.sub(r"-Winvalid-pch -include \S+", "", command["command"])
+        command["command"] = re.sub(r"-Winvalid-pch -include \S+|--param=\S+", "", command["command"])
     plain = build / "clang-tidy"
     plain.mkdir(exist_ok=True)
     (plain / "compile_commands.json").write_text(json.dumps(commands))

@@ -85,7 +85,7 @@ class Builder {
         edge = std::max({edge, shortest, double(largest_) * double(smallest_cell)});
         CellGrid grid{};
         for (int a = 0; a < 3; ++a) {
-            grid.size[a] = std::clamp(int(extent[a] / edge + 0.5), 1, most);
+            grid.size[a] = std::clamp(int(std::lround(extent[a] / edge)), 1, most);
             grid.cell[a] = float(std::max(extent[a] / grid.size[a], double(largest_) * double(smallest_cell)));
             const double middle = 0.5 * (double(bounds.lower[a]) + double(bounds.upper[a]));
             grid.lower[a] = float(middle - 0.5 * double(grid.cell[a]) * grid.size[a]);
@@ -167,8 +167,8 @@ class Builder {
     std::optional<double> refine(const CellGrid& grid, std::size_t word, std::size_t cell,
                                  std::span<const std::uint32_t> list, std::uint32_t level) {
         const auto x = int(cell % std::size_t(grid.size.x)), yz = int(cell / std::size_t(grid.size.x));
-        const glm::vec3 place(float(x), float(yz % grid.size.y), float(yz / grid.size.y));
-        const glm::vec3 lower = grid.lower + place * grid.cell;
+        const glm::ivec3 place(x, yz % grid.size.y, yz / grid.size.y);
+        const glm::vec3 lower = grid.lower + glm::vec3(place) * grid.cell;
         const CellGrid inner =
             choose({lower, lower + grid.cell}, options_.density * double(list.size()), finest_refinement, 0);
         if (inner.size == glm::ivec3(1)) return std::nullopt;

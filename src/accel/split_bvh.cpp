@@ -130,7 +130,10 @@ class Builder {
         }
     }
 
-    float blocks(std::size_t count) const { return float((count + options_.block - 1) / options_.block); }
+    float blocks(std::size_t count) const {
+        const std::size_t filled = (count + options_.block - 1) / options_.block;
+        return float(filled);
+    }
 
     void make_leaf(BvhNode& node, const Record& record) {
         const std::size_t first = next_order_.fetch_add(record.references.size(), std::memory_order_relaxed);

@@ -15,6 +15,12 @@ constexpr std::size_t VOLUME = GridSamples::brick_volume;
 constexpr std::size_t MAX_BRICKS = std::size_t(1) << 26;
 constexpr int MAX_EDGE = 1 << 20;
 
+// Where sample (x,y,z) of a channel stands in a brick.
+std::size_t in_brick(ivec3 i, int channel = 0) {
+    const int place = i.x + EDGE * (i.y + EDGE * (i.z + EDGE * channel));
+    return std::size_t(place);
+}
+
 // The samples beyond the size repeat the last one inside, so that they neither widen the range of a brick nor make it
 // differ from its like.
 void repeat_last(ivec3 inside, std::span<float> samples) {
@@ -22,9 +28,8 @@ void repeat_last(ivec3 inside, std::span<float> samples) {
     for (int z = 0; z < EDGE; ++z)
         for (int y = 0; y < EDGE; ++y)
             for (int x = 0; x < EDGE; ++x) {
-                const ivec3 from = glm::min(ivec3(x, y, z), inside - 1);
-                samples[std::size_t(x + EDGE * (y + EDGE * z))] =
-                    samples[std::size_t(from.x + EDGE * (from.y + EDGE * from.z))];
+                const ivec3 i(x, y, z);
+                samples[in_brick(i)] = samples[in_brick(glm::min(i, inside - 1))];
             }
 }
 
@@ -144,7 +149,7 @@ float GridSamples::at(ivec3 sample, int channel) const {
     const std::uint32_t number =
         table_[std::size_t(b.x) +
                std::size_t(counts.x) * (std::size_t(b.y) + std::size_t(counts.y) * std::size_t(b.z))];
-    return brick(number)[std::size_t(i.x + brick_edge * (i.y + brick_edge * (i.z + brick_edge * channel)))];
+    return brick(number)[in_brick(i, channel)];
 }
 
 std::vector<float> GridSamples::dense(int channel) const {
@@ -173,7 +178,7 @@ Result<GridPointer> build_grid(ivec3 size, std::span<const float> values, int ch
                     std::size_t(size.x) * (std::size_t(lower.y + y) + std::size_t(size.y) * std::size_t(lower.z + z));
                 for (int x = 0; x < inside.x; ++x)
                     for (int c = 0; c < channels; ++c)
-                        samples[std::size_t(x + EDGE * (y + EDGE * (z + EDGE * c)))] =
+                        samples[in_brick({x, y, z}, c)] =
                             values[(row + std::size_t(x)) * std::size_t(channels) + std::size_t(c)];
             }
     });
