@@ -14,9 +14,9 @@ namespace {
 using namespace kernels;
 
 struct PacketAxis {
-    __m256 origin;   // of the rays
-    __m256 inverse;  // of their directions
-    __m256 still;    // all ones where the direction is zero
+    __m256 origin;        // of the rays
+    __m256 inverse;       // of their directions
+    const __m256& still;  // all ones where the direction is zero; read if it is so somewhere
     bool any_still;
     bool negative;
 };
@@ -181,33 +181,46 @@ struct HitRows {
     __m128 row[3][packet_size];
 };
 
+// A number for each axis, and one for no_axis.
+__m256 by_axis(__m256i axis, float x, float y, float z, float none) {
+    return _mm256_permutevar_ps(_mm256_setr_ps(x, y, z, none, x, y, z, none), axis);
+}
+__m256 by_axis(__m256i axis, uint x, uint y, uint z, uint none) {
+    return by_axis(axis, std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z),
+                   std::bit_cast<float>(none));
+}
+
 HitRows hit_rows(const PacketSet& set, const VoxelPacket& packet) {
     const RayColumns& ray = packet.ray;
     const __m256 zero = _mm256_setzero_ps(), one = _mm256_set1_ps(1);
-    const __m256 found = float_columns(lane_mask(packet.found));
-    __m256 on_axis[3], p[3], normal[3], forward = zero;
+    const __m256i axis = packet.axis;
+    // Rays come in by the faces that look the other way.
+    const auto down = [&](int a) { return set.flip >> 2 * a & 1; };
+    const auto normal = [&](int a) { return down(a) ? 1.0f : -1.0f; };
+    __m256 p[3];
     for (int a = 0; a < 3; ++a) {
-        on_axis[a] = _mm256_and_ps(found, float_columns(_mm256_cmpeq_epi32(packet.axis, _mm256_set1_epi32(a))));
-        const __m256 negative = _mm256_cmp_ps(ray.direction[a], zero, _CMP_LT_OQ);
         p[a] = ray.origin[a] + packet.t * ray.direction[a];  // as ray_at(), contracted or not
         p[a] = _mm256_min_ps(_mm256_max_ps(_mm256_sub_ps(p[a], _mm256_cvtepi32_ps(packet.cell[a])), zero), one);
-        normal[a] = _mm256_and_ps(on_axis[a], _mm256_blendv_ps(_mm256_set1_ps(-1), one, negative));
-        forward = _mm256_or_ps(forward, _mm256_and_ps(on_axis[a], negative));
     }
-    const __m256 u = _mm256_blendv_ps(_mm256_blendv_ps(p[1], p[2], on_axis[1]), p[0], on_axis[2]);
-    const __m256 v = _mm256_blendv_ps(_mm256_blendv_ps(p[2], p[0], on_axis[1]), p[1], on_axis[2]);
-    const __m256i face = _mm256_sub_epi32(_mm256_add_epi32(packet.axis, packet.axis), int_columns(forward));
-    const __m256 owner = _mm256_blendv_ps(all_lanes(), float_columns(_mm256_set1_epi32(int(set.instance))), found);
+    const __m256 on_y = by_axis(axis, 0u, ~0u, 0u, 0u), on_z = by_axis(axis, 0u, 0u, ~0u, 0u);
+    const __m256 found = by_axis(axis, ~0u, ~0u, ~0u, 0u);
+    const __m256 u = _mm256_blendv_ps(_mm256_blendv_ps(p[1], p[2], on_y), p[0], on_z);
+    const __m256 v = _mm256_blendv_ps(_mm256_blendv_ps(p[2], p[0], on_y), p[1], on_z);
 
     static_assert(sizeof(Hit) == 12 * sizeof(float) && offsetof(Hit, uv) == 16 && offsetof(Hit, normal) == 36);
-    static_assert(NONE == 0xffffffffu);
     HitRows rows;
-    transpose(_mm256_blendv_ps(packet.limit, packet.t, found), owner, float_columns(packet.palette),
-              float_columns(face), rows.row[0]);
+    transpose(packet.t, by_axis(axis, set.instance, set.instance, set.instance, NONE), float_columns(packet.palette),
+              by_axis(axis, down(0), 2 + down(1), 4 + down(2), 0u), rows.row[0]);
     transpose(_mm256_and_ps(u, found), _mm256_and_ps(v, found), float_columns(packet.cell[0]),
               float_columns(packet.cell[1]), rows.row[1]);
-    transpose(float_columns(packet.cell[2]), normal[0], normal[1], normal[2], rows.row[2]);
+    transpose(float_columns(packet.cell[2]), by_axis(axis, normal(0), 0.0f, 0.0f, 0.0f),
+              by_axis(axis, 0.0f, normal(1), 0.0f, 0.0f), by_axis(axis, 0.0f, 0.0f, normal(2), 0.0f), rows.row[2]);
     return rows;
+}
+
+void store_row(__m128 row, bool streaming, float* at) {
+    if (streaming) _mm_stream_ps(at, row);
+    else _mm_storeu_ps(at, row);
 }
 
 }  // namespace
@@ -240,9 +253,7 @@ void begin_packet(const PacketSet& set, const RayColumns& ray, const Ray* rays, 
     p.still = 0;
     for (int a = 0; a < 3; ++a)
         if (lanes_of(p.box.still[a]) & p.alive) p.still |= 1u << a;
-    p.found = 0;
-    p.t = _mm256_setzero_ps();
-    p.axis = p.palette = p.cell[0] = p.cell[1] = p.cell[2] = _mm256_setzero_si256();
+    begin_hits(p);
 }
 
 std::uint32_t flip_of(const VoxelPacket& p) {
@@ -330,13 +341,19 @@ void write_found(const PacketSet& set, const VoxelPacket& packet, Hit* hits) {
 
 void write_all(const PacketSet& set, const VoxelPacket& packet, bool streaming, Hit* hits) {
     const HitRows rows = hit_rows(set, packet);
-    float* const at = &hits->t;
-    if (streaming)
-        for (int i = 0; i < packet_size; ++i)
-            for (int k = 0; k < 3; ++k) _mm_stream_ps(at + 12 * i + 4 * k, rows.row[k][i]);
-    else
-        for (int i = 0; i < packet_size; ++i)
-            for (int k = 0; k < 3; ++k) _mm_storeu_ps(at + 12 * i + 4 * k, rows.row[k][i]);
+    for (int i = 0; i < packet_size; ++i)
+        for (int k = 0; k < 3; ++k) store_row(rows.row[k][i], streaming, &hits[i].t + 4 * k);
+}
+
+void write_none(std::span<const Ray> rays, bool streaming, Hit* hits) {
+    const __m128 zero = _mm_setzero_ps();
+    const __m128 none = _mm_castsi128_ps(_mm_setr_epi32(0, int(NONE), 0, 0));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        float* const at = &hits[i].t;
+        store_row(_mm_move_ss(none, _mm_load_ss(&rays[i].t_max)), streaming, at);
+        store_row(zero, streaming, at + 4);
+        store_row(zero, streaming, at + 8);
+    }
 }
 
 unsigned packet_closest(const SceneView& scene, uint grid, uint slot_first, uint instance, const RayColumns& ray,

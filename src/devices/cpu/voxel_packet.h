@@ -36,8 +36,17 @@ struct VoxelPacket {
     unsigned single;  // rays that the kernel has to ask
     unsigned found;   // rays that have met something: this
     __m256 t;
-    __m256i axis, palette, cell[3];
+    __m256i axis, palette, cell[3];  // others: no_axis, nothing, at the limit
 };
+
+inline constexpr int no_axis = 3;
+
+inline void begin_hits(VoxelPacket& p) {
+    p.found = 0;
+    p.t = p.limit;
+    p.axis = _mm256_set1_epi32(no_axis);
+    p.palette = p.cell[0] = p.cell[1] = p.cell[2] = _mm256_setzero_si256();
+}
 
 // Where the rays of a packet come into a cube, and where they leave it.
 struct CubePass {
@@ -95,6 +104,9 @@ void write_found(const PacketSet& set, const VoxelPacket& packet, kernels::Hit* 
 
 // The answer of all eight: what they have met, or nothing before the packet's limit. Past the caches, if `streaming`.
 void write_all(const PacketSet& set, const VoxelPacket& packet, bool streaming, kernels::Hit* hits);
+
+// The same for rays that meet nothing.
+void write_none(std::span<const kernels::Ray> rays, bool streaming, kernels::Hit* hits);
 
 // For rays of one octant: as cpu_voxels_closest8. `ray` are the columns of `rays`.
 unsigned packet_closest(const kernels::SceneView& scene, kernels::uint grid, kernels::uint slot_first,
