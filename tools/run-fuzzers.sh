@@ -14,6 +14,7 @@ fi
 cmake --preset fuzz
 cmake --build --preset fuzz -j "$jobs" --target fuzzers
 
+export LSAN_OPTIONS="suppressions=$PWD/tools/lsan-suppressions.txt"
 run() {
     local name=$1 seconds=$2
     local corpus="build/fuzz/corpus/$name" log="build/fuzz/logs/$name.log" seeds=()

@@ -251,7 +251,7 @@ TEST(MeshWalk, eight_rays_together_find_what_each_finds_alone_to_the_last_bit) {
         for (int i = 0; i < 3000; ++i) {
             const std::vector<Ray> rays = packet_towards(random, built.triangles, random.uniform(0.5f, 20),
                                                          i % 4 == 0 ? 0.0f : std::exp(random.uniform(-6, 2)));
-            const unsigned lanes = i % 3 ? 0xffu : unsigned(random.uniform(0, 255.99f));
+            const unsigned lanes = i % 3 ? 0xffu : i < 1 ? 0u : unsigned(random.uniform(0, 255.99f));
             const WideHit untouched{-1, -2, -3, 77};
             WideHit hits[packet_size];
             std::fill_n(hits, packet_size, untouched);

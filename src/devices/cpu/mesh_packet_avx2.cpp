@@ -342,6 +342,8 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, const Ra
 
 template <bool any>
 SPINEL_INLINE void walk8(const WideMesh& mesh, const Ray* rays, unsigned lanes, Nearest& best) {
+    best.found = 0;
+    if (!lanes) return;
     Ray filled[packet_size];
     if (lanes != 255) {  // rays that are not asked for repeat one that is
         for (int i = 0; i < packet_size; ++i) filled[i] = rays[lanes >> i & 1 ? i : std::countr_zero(lanes)];
@@ -349,7 +351,6 @@ SPINEL_INLINE void walk8(const WideMesh& mesh, const Ray* rays, unsigned lanes, 
     }
     for (int i = 0; i < 8; ++i) best.t[i] = rays[i].t_max;
     std::fill_n(best.triangle, 8, 0u);
-    best.found = 0;
     Packet packet;
     if (std::popcount(lanes) > few && make_packet(mesh, rays, packet))
         return walk_together<any>(mesh, packet, rays, lanes, best);
