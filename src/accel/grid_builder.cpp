@@ -62,6 +62,7 @@ class Builder {
         spare_ -= std::min(spare_, entries->size());
         const double cost = fill(0, grid, std::move(*entries), 0);
         out_.sah_cost = area > 0 ? cost / area : cost;
+        out_.words[0] = std::uint32_t(out_.grids.size());
         put_in_order();
         return std::move(out_);
     }

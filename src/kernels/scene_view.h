@@ -62,7 +62,8 @@ BUFFER(SphereNodes, SphereNode)
 
 // A grid of cells, x fastest; each is a word: 0 is empty, GRID_REFINED and a number is another grid (relative to the
 // mesh's first), anything else is where a list of triangles begins among the mesh's references, its length first. The
-// word before the cells of a grid that stands in a cell says where the list of that whole cell begins.
+// word before the cells of a grid that stands in a cell says where the list of that whole cell begins. The mesh's first
+// word counts its grids.
 const uint GRID_REFINED = 0x80000000u;
 struct MeshGrid {
     vec3 lower;

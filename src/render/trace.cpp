@@ -101,7 +101,7 @@ namespace {
 
 constexpr std::size_t batch_size = 4096;
 
-// A grid, the record of its finest cells, and no grid within it.
+// A grid, and none within it.
 bool is_uniform_grid(const SceneView& scene, const kernels::Mesh& mesh) {
     return mesh.walk == kernels::MESH_WALK_GRID && scene.words.at[mesh.reference_first] == 1;
 }

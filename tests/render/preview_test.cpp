@@ -140,8 +140,8 @@ TEST(PreviewCone, bounced_light_is_near_that_of_one_bounce) {
                                          "0.8"));
     };
     const double cone = render_text(scene(R"("type": "cone")"), 256, 4).mean().mean.x;
-    const double path = render_text(scene(R"("type": "path", "max_bounces": 2)"), 256, 4).mean().mean.x;
-    const double direct = render_text(scene(R"("type": "path", "max_bounces": 1)"), 256, 4).mean().mean.x;
+    const double path = render_text(scene(R"("type": "path", "max_bounces": 2)"), 1024, 4).mean().mean.x;
+    const double direct = render_text(scene(R"("type": "path", "max_bounces": 1)"), 1024, 4).mean().mean.x;
     EXPECT_GT(path, 1.1 * direct) << "there is something to see";
     EXPECT_NEAR((cone - direct) / (path - direct), 1, 0.35) << cone << ' ' << path << ' ' << direct;
 }

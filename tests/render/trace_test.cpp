@@ -50,7 +50,8 @@ TEST(TraceRays, every_accelerator_agrees_with_the_naive_twin) {
         TestScene parts = everything(accelerator.structure);
         const auto hits = trace_rays(parts.view(), rays, {.method = accelerator.method});
         const auto any = trace_rays(parts.view(), rays, {.method = accelerator.method, .any = true});
-        ASSERT_TRUE(hits && any);
+        ASSERT_TRUE(hits) << accelerator.structure << ": " << hits.error().message;
+        ASSERT_TRUE(any) << accelerator.structure << ": " << any.error().message;
         int differing = 0, found = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const TraceHit &a = (*hits)[i], &b = (*expected)[i];
@@ -134,7 +135,8 @@ TEST(TraceRays, interfaces_without_a_material_let_rays_pass) {
                     through);
         const auto hits = trace_rays(parts.view(), rays, {.method = accelerator.method});
         const auto any = trace_rays(parts.view(), rays, {.method = accelerator.method, .any = true});
-        ASSERT_TRUE(hits && any);
+        ASSERT_TRUE(hits) << accelerator.structure << ": " << hits.error().message;
+        ASSERT_TRUE(any) << accelerator.structure << ": " << any.error().message;
         EXPECT_EQ((*hits)[0].material, 3u);
         EXPECT_EQ((*hits)[0].t, 4.5f);
         EXPECT_TRUE(std::isinf((*hits)[1].t));

@@ -33,9 +33,9 @@ Float8 between(Int8 pairs, Float8 x) { return mix8(lower(pairs), upper(pairs), x
 constexpr int far_away = 255;
 
 // Of an iso-surface: differences of two neighbours on either side of it, in units of the 16 bits.
-constexpr float flat = 8;               // where rounding turns a normal by some 1 / 40 of a radian
-constexpr float cliff = 65536.0f / 16;  // a step to values of another kind, such as those that mean "no data"
-constexpr std::uint64_t most_flat = 4;  // one in so many may be flat: along the surface, or in noise behind it
+constexpr float flat = 8;                // rounding turns a normal by some 1 / 40 of a radian there
+constexpr float cliff = 65536.0f / 16;   // a step to values of another kind, such as those that mean "no data"
+constexpr std::uint64_t most_flat = 16;  // one in so many may be flat: surfaces have neighbours along them everywhere
 
 // Which entries of the transfer function are visible at all: how many below each are.
 std::vector<std::uint32_t> visible_before(const kernels::SceneView& view, const kernels::DvrSettings& s) {
