@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
@@ -271,16 +272,27 @@ Result<std::string> materials_text(const Scene& scene, const Object& object) {
 openvdb::Int32Grid::Ptr grid_of(const VoxelTree& tree, const mat4x3& placed) {
     auto grid = openvdb::Int32Grid::create(0);
     auto accessor = grid->getAccessor();
+    // A leaf takes 2 KB, and most of a terrain's are of one index throughout: these become tiles again and again.
+    constexpr std::int64_t cells_between_prunings = std::int64_t(1) << 24;
+    std::int64_t cells = 0;
+    const auto prune = [&] {
+        accessor.clear();
+        openvdb::tools::prune(grid->tree());
+        cells = 0;
+    };
     tree.for_each_cube([&](ivec3 lower, int edge, std::uint16_t palette) {
         const Coord first(lower.x, lower.y, lower.z);
         if (edge >= 8) {
             grid->sparseFill(CoordBBox(first, first.offsetBy(edge - 1)), palette, true);
             return;
         }
+        cells += std::int64_t(edge) * edge * edge;
+        if (cells > cells_between_prunings) prune();
         for (int z = 0; z < edge; ++z)
             for (int y = 0; y < edge; ++y)
                 for (int x = 0; x < edge; ++x) accessor.setValueOn(first.offsetBy(x, y, z), palette);
     });
+    prune();
     openvdb::math::Mat4d m = openvdb::math::Mat4d::identity();  // of row vectors
     const glm::dmat4x3 placement(placed);
     const glm::dvec3 centre = placement * glm::dvec4(0.5, 0.5, 0.5, 1);

@@ -90,6 +90,21 @@ TEST_F(Vdb, a_solid_of_a_billion_voxels_is_tiles) {
     EXPECT_EQ(std::get<VoxelGeometry>(back->geometries[0].data).tree->voxel_count(), std::uint64_t(1) << 30);
 }
 
+TEST_F(Vdb, a_layer_as_thick_as_a_leaf_is_tiles) {
+    const ivec3 size(1500, 11, 1500);  // more cells than are written between two prunings
+    const auto tree = build_voxel_tree(size, {[](ivec3 c) { return std::uint16_t(c.y < 8 ? 2 : 0); }, {}});
+    ASSERT_TRUE(tree);
+    const auto path = folder / "layer.vdb";
+    ASSERT_TRUE(save_vdb(scene_of(*tree, 2), path));
+    EXPECT_LT(std::filesystem::file_size(path), 1u << 18);
+    const Result<Scene> back = load_vdb(path, {});
+    ASSERT_TRUE(back) << back.error().message;
+    const VoxelTree& read = *std::get<VoxelGeometry>(back->geometries[0].data).tree;
+    EXPECT_EQ(read.voxel_count(), (*tree)->voxel_count());
+    EXPECT_EQ(read.at({1499, 7, 1499}), 2);
+    EXPECT_EQ(read.at({1499, 8, 1499}), 0);
+}
+
 TEST_F(Vdb, a_volume_is_voxels_only_if_asked_for) {
     const auto files = data_folder / "volume/vdb";
     if (!std::filesystem::exists(files)) GTEST_SKIP() << files << " is not there";
