@@ -93,8 +93,9 @@ struct Grid {
     mat4x3 index_to_local = mat4x3(1);  // index space to the space of the object that holds it
     Filter filter = Filter::linear;
     GridPrecision precision = GridPrecision::full;
-    float background = 0;   // the value outside of the box
-    std::string unit = {};  // as the file names it, for people; empty: it does not
+    float background = 0;    // the value outside of the box
+    bool level_set = false;  // distances from a surface, negative inside, that end at ±background
+    std::string unit = {};   // as the file names it, for people; empty: it does not
 };
 
 // Noise that eats a density: density = grid · max(0, offset + strength·noise), see kernels/density.h.
@@ -173,9 +174,13 @@ struct VoxelGeometry {
     std::optional<VoxelWaves> waves = {};
 };
 
-// The box of a density grid: has no surface of its own, holds an object's interior medium.
+// The box of a density grid: has no surface of its own, holds an object's interior medium. Or the solid where the grid
+// is below a level, whose surface is that of the look-up itself.
 struct VolumeGeometry {
     int grid = -1;
+    bool surface = false;
+    float level = 0;           // in the data's units, of a surface
+    bool solid_above = false;  // of a surface: the solid is where the grid is above the level
 };
 
 // Expression tree of a signed distance bound, negative inside. What each operation takes: geometry/sdf.

@@ -39,6 +39,7 @@ struct Describe {
         const Grid& grid = scene.grids[std::size_t(volume.grid)];
         const ivec3 size = grid.samples->size();
         Json json = {{"size", {size.x, size.y, size.z}}};
+        if (volume.surface) json["as"] = "surface";
         if (grid.samples->channels() > 1) json["channels"] = grid.samples->channels();
         json["minimum"] = number_json(grid.samples->minimum());
         json["maximum"] = number_json(grid.samples->maximum());

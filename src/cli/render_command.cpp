@@ -263,7 +263,8 @@ struct Run {
                 fmt::print(stderr, "spinel: {}: {}\n", input.filename().string(), note);
         const std::string integrator = render.integrator.empty() ? scene->integrator.name : render.integrator;
         const auto volumes = std::count_if(scene->objects.begin(), scene->objects.end(), [&](const Object& object) {
-            return std::holds_alternative<VolumeGeometry>(scene->geometries[std::size_t(object.geometry)].data);
+            const auto* volume = std::get_if<VolumeGeometry>(&scene->geometries[std::size_t(object.geometry)].data);
+            return volume && !volume->surface;
         });
         if (!o.preset.empty() && integrator != "dvr")
             return Error{"--preset is for the integrator dvr, and this is " + integrator};

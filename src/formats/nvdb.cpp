@@ -183,17 +183,14 @@ class Reader {
         const ivec3 origin = (tree.lower() - 1) & ~7;
         const ivec3 size = tree.upper() - origin + 2;
         const bool level_set = grid.mGridClass == nanovdb::GridClass::LevelSet && channels == 1;
-        const float band = std::abs(nano_component(tree.background(), 0));
-        Result<GridPointer> samples = build_grid(size, channels, [&](ivec3 lower, std::span<float> brick) {
-            tree.fill(origin + lower, channels, brick);
-            if (level_set && band > 0)
-                for (float& v : brick) v = std::clamp(-v / band, 0.0f, 1.0f);
-        });
+        Result<GridPointer> samples = build_grid(
+            size, channels, [&](ivec3 lower, std::span<float> brick) { tree.fill(origin + lower, channels, brick); });
         if (!samples) return refused(samples.error().message);
         Grid read;
         read.name = name;
         read.samples = *samples;
-        read.background = level_set ? 0.0f : nano_component(tree.background(), 0);
+        read.background = nano_component(tree.background(), 0);
+        read.level_set = level_set;
         const double* m = grid.mMap.mMatD;
         const glm::dvec3 first(glm::dvec3(origin) - 0.5);
         glm::dmat4x3 to_world;

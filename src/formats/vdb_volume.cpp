@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetUtil.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,13 +92,12 @@ class VolumeReader {
     }
 
     template <class GridType>
-    Result<void> add_scalar(GridType& grid) {
-        if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) openvdb::tools::sdfToFogVolume(grid);
-        return add_samples(grid, 1);
+    Result<void> add_scalar(const GridType& grid) {
+        return add_samples(grid, 1, grid.getGridClass() == openvdb::GRID_LEVEL_SET);
     }
 
     template <class GridType>
-    Result<void> add_samples(const GridType& grid, int channels) {
+    Result<void> add_samples(const GridType& grid, int channels, bool level_set = false) {
         if (!grid.transform().isLinear()) return refused(grid, "has a transform that is not affine");
         const CoordBBox box = grid.evalActiveVoxelBoundingBox();
         if (box.empty()) {
@@ -117,6 +115,7 @@ class VolumeReader {
         read.name = grid.getName().empty() ? path_.stem().string() : grid.getName();
         read.samples = *samples;
         read.background = component(grid.background(), 0);
+        read.level_set = level_set;
         const openvdb::Vec3d corner = origin.asVec3d() - 0.5, at = grid.indexToWorld(corner);
         for (int axis = 0; axis < 3; ++axis) {
             openvdb::Vec3d step = corner;

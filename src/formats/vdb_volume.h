@@ -1,7 +1,6 @@
 #pragma once
 // Volumes in OpenVDB files: grids of floats, doubles and vectors (of three floats or doubles), stored as such or as
-// halves, with any affine transform. A level set becomes fog: 1 inside, falling to 0 over its band. Other grids are
-// left out, and said.
+// halves, with any affine transform. Level sets are surfaces. Other grids are left out, and said.
 //
 // In OpenVDB a voxel's index is its sample's place: grids keep their world, whatever part of it is stored.
 

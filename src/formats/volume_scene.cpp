@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "kernels/materials.h"
+#include "scene/material_registry.h"
+
 namespace spinel {
 
 Scene volume_scene(std::vector<Grid> grids, const BareVolume& look) {
@@ -13,7 +16,12 @@ Scene volume_scene(std::vector<Grid> grids, const BareVolume& look) {
         object.name = grid.name;
         object.geometry = index;
         object.materials = {-1};
-        if (grid.samples->channels() == 1) {
+        if (grid.level_set) {
+            // A B-spline has no edges between samples that a highlight would show.
+            grid.filter = Filter::cubic;
+            object.materials = {int(scene.materials.size())};
+            scene.materials.push_back({grid.name, default_material(kernels::MATERIAL_DIFFUSE)});
+        } else if (grid.samples->channels() == 1) {
             const vec3 size(grid.samples->size());
             float longest = 0;
             for (int axis = 0; axis < 3; ++axis)
@@ -27,7 +35,7 @@ Scene volume_scene(std::vector<Grid> grids, const BareVolume& look) {
             object.interior = int(scene.media.size());
             scene.media.push_back(std::move(medium));
         }
-        scene.geometries.push_back({grid.name, VolumeGeometry{index}});
+        scene.geometries.push_back({grid.name, VolumeGeometry{.grid = index, .surface = grid.level_set}});
         scene.objects.push_back(std::move(object));
         scene.grids.push_back(std::move(grid));
     }

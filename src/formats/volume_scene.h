@@ -1,6 +1,7 @@
 #pragma once
 // What a file of volumes becomes: for each grid its box as a volume geometry and one object; around what is a density a
-// bright medium, so that the bare file shows something. A scene file names the geometries and has media of its own.
+// bright medium, so that the bare file shows something; on a level set's surface a material, for the same reason. A
+// scene file names the geometries and has media of its own.
 
 #include <string>
 #include <vector>

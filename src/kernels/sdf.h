@@ -12,6 +12,7 @@
 // floats; how small |f| is decides nothing. So a ray that starts just inside of a glass solid walks to its
 // exit, and one that starts just outside does not stick to the surface that it left.
 #include "scene_view.h"
+#include "sdf_grid.h"
 #include "sdf_ops.h"
 KERNELS_BEGIN
 
@@ -58,6 +59,7 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
             case SDF_OP_CYLINDER: value = sdf_cylinder(points.at[op.a] - e, d.x, d.y); break;
             case SDF_OP_PLANE: value = dot(vec3(d.x, d.y, d.z), points.at[op.a] - e) - d.w; break;
             case SDF_OP_GYROID: value = sdf_gyroid(points.at[op.a] - e, d); break;
+            case SDF_OP_GRID: value = sdf_grid(scene, op.b, points.at[op.a], vec2(d.x, d.y)); break;
             case SDF_OP_MIN: value = min(values.at[op.a], values.at[op.b]); break;
             case SDF_OP_MAX: value = max(values.at[op.a], values.at[op.b]); break;
             case SDF_OP_SUBTRACT: value = max(values.at[op.a], -values.at[op.b]); break;
@@ -155,6 +157,12 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
             vec3 g = vec3(value.x, value.y, value.z) * points.jacobian[op.a];
             values.at[op.target] = vec4(g, value.w);
             value = values.at[op.target];
+            continue;
+        }
+        if (op.op == SDF_OP_GRID) {
+            value = sdf_grid_gradient(scene, op.b, points.at[op.a], vec2(d.x, d.y));
+            value = vec4(vec3(value.x, value.y, value.z) * points.jacobian[op.a], value.w);
+            values.at[op.target] = value;
             continue;
         }
         vec4 a = values.at[op.a];

@@ -46,7 +46,9 @@ Result<void> add_textures(Compilation& c);
 // Mean linear rgb of a texture, on one face of a cube where it differs by face; 1 for NONE.
 vec3 mean_color(const CompiledScene& out, kernels::uint texture, kernels::uint face);
 
-// compile_media.cpp: an index into media or interiors, shared among equals.
+// compile_media.cpp: an index into grids, of one of Scene::grids (−1: NONE).
+Result<kernels::uint> add_grid(Compilation& c, int index);
+// An index into media or interiors, shared among equals.
 kernels::uint add_medium(Compilation& c, const kernels::Medium& medium);
 Result<kernels::uint> add_scene_medium(Compilation& c, int medium, const mat4x3& object_to_world);
 kernels::uint add_interior(Compilation& c, const kernels::Interior& interior);

@@ -8,6 +8,7 @@
 #include "accel/bvh_builder.h"
 #include "geometry/mesh/mesh_builder.h"
 #include "geometry/sdf/sdf_builder.h"
+#include "geometry/volume/surface_builder.h"
 #include "geometry/voxels/voxel_builder.h"
 #include "kernels/camera.h"
 #include "kernels/locate.h"
@@ -165,14 +166,25 @@ struct ShapeBuilder {
     }
     Result<Shape> operator()(const SdfGeometry& sdf) const {
         Result<SdfData> data = build_sdf(sdf);
-        if (!data) return fail(data.error());
+        return data ? sdf_shape(*data) : fail(data.error());
+    }
+    Result<Shape> sdf_shape(SdfData& data) const {
+        const Result<uint> index = append_sdf(data);
+        if (!index) return fail(index.error());
         Shape shape;
         shape.kind = kernels::GEOMETRY_SDF;
-        const Result<uint> index = append_sdf(*data);
-        if (!index) return fail(index.error());
         shape.index = *index;
-        shape.lower = data->sdf.lower;
-        shape.upper = data->sdf.upper;
+        shape.lower = data.sdf.lower;
+        shape.upper = data.sdf.upper;
+        return shape;
+    }
+    Result<Shape> surface_of(const VolumeGeometry& volume, const Grid& grid) const {
+        const Result<uint> index = add_grid(c, volume.grid);
+        if (!index) return index.error();
+        Result<SdfData> data = build_surface(volume, c.out.grids[*index], *index, c.out.words, c.out.floats);
+        if (!data) return Error{fmt::format("volume '{}' {}", name, data.error().message)};
+        Result<Shape> shape = sdf_shape(*data);
+        if (shape) shape->bake = grid.index_to_local;
         return shape;
     }
     Result<Shape> operator()(const SdfVoxelGeometry& voxels) const {
@@ -196,6 +208,7 @@ struct ShapeBuilder {
     // The box of a grid; what is in it comes from the object's interior medium.
     Result<Shape> operator()(const VolumeGeometry& volume) const {
         const Grid& grid = c.scene.grids[std::size_t(volume.grid)];
+        if (volume.surface) return surface_of(volume, grid);
         const vec3 half = 0.5f * vec3(grid.samples->size());
         mat4x3 box = scaling(half);
         box[3] = half;

@@ -53,7 +53,8 @@ Result<void> add_dvr(Compilation& c) {
     s.headlight = o.light == DvrOptions::Light::camera;
     s.to_light = c.out.preview_light.to_sun;
     for (const Object& object : c.scene.objects) {
-        if (!std::holds_alternative<VolumeGeometry>(c.scene.geometries[std::size_t(object.geometry)].data)) continue;
+        const auto* volume = std::get_if<VolumeGeometry>(&c.scene.geometries[std::size_t(object.geometry)].data);
+        if (!volume || volume->surface) continue;
         const Result<uint> medium = add_scene_medium(c, object.interior, object.transform);
         if (!medium) return medium.error();
         if (*medium == kernels::NONE || c.out.media[*medium].grid == kernels::NONE) continue;

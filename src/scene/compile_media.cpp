@@ -26,17 +26,6 @@ uint add_shared(std::vector<T>& records, std::map<std::string, uint>& known, con
     return at->second;
 }
 
-Result<uint> add_grid(Compilation& c, int index) {
-    if (index < 0) return NONE;
-    uint& known = c.grid_of[std::size_t(index)];
-    if (known != NONE) return known;
-    const Grid& grid = c.scene.grids[std::size_t(index)];
-    const Result<kernels::DensityGrid> record = append_grid(grid, c.out.words, c.out.floats);
-    if (!record) return Error{fmt::format("volume '{}' {}", grid.name, record.error().message)};
-    c.out.grids.push_back(*record);
-    return known = uint(c.out.grids.size() - 1);
-}
-
 mat4x3 world_to_index(const Compilation& c, int grid, const mat4x3& object_to_world) {
     return affine_inverse(affine_product(object_to_world, c.scene.grids[std::size_t(grid)].index_to_local));
 }
@@ -156,6 +145,17 @@ Result<void> add_temperature(Compilation& c, const Medium& medium, const mat4x3&
 }
 
 }  // namespace
+
+Result<uint> add_grid(Compilation& c, int index) {
+    if (index < 0) return NONE;
+    uint& known = c.grid_of[std::size_t(index)];
+    if (known != NONE) return known;
+    const Grid& grid = c.scene.grids[std::size_t(index)];
+    const Result<kernels::DensityGrid> record = append_grid(grid, c.out.words, c.out.floats);
+    if (!record) return Error{fmt::format("volume '{}' {}", grid.name, record.error().message)};
+    c.out.grids.push_back(*record);
+    return known = uint(c.out.grids.size() - 1);
+}
 
 uint add_medium(Compilation& c, const kernels::Medium& medium) { return add_shared(c.out.media, c.media, medium); }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "geometry/volume/level_set_fog.h"
 #include "scene/json_context.h"
 #include "scene/merge.h"
 #include "scene/validate.h"
@@ -296,6 +297,34 @@ void read_level_of_detail(JsonContext& context, const JsonValue& value, const st
             voxels->level_of_detail = float(*pixels);
 }
 
+// What a volume is shown as: "as", "level", "solid".
+void read_look(JsonContext& context, const JsonValue& value, std::vector<Object>& parts, const std::string& what) {
+    std::optional<int> as;
+    if (const JsonValue* chosen = value.find("as")) as = context.json.choice(*chosen, volume_looks, of("as", what));
+    for (Object& part : parts) {
+        auto* volume = std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data);
+        if (!volume) continue;
+        Grid& grid = context.scene.grids[std::size_t(volume->grid)];
+        const bool surface = as ? *as == 1 : volume->surface;
+        if (!surface)
+            for (const char* key : {"level", "solid"})
+                if (value.find(key)) context.json.fail(value, of(key, what) + " needs \"as\": \"surface\"");
+        if (surface && !volume->surface) {  // what the file made of it was fog
+            part.materials.clear();
+            part.interior = -1;
+        }
+        if (!surface && grid.level_set) {
+            grid = fog_of_level_set(grid);
+            part.materials = {-1};
+        }
+        volume->surface = surface;
+        if (const JsonValue* level = value.find("level"))
+            volume->level = float(context.json.number(*level, any, of("level", what)).value_or(0));
+        if (const JsonValue* solid = value.find("solid"))
+            volume->solid_above = context.json.choice(*solid, solid_sides, of("solid", what)).value_or(0) == 1;
+    }
+}
+
 // A volume's "filter" and "precision" replace those of the grids it brings.
 void read_look_up(JsonContext& context, const JsonValue& value, const std::vector<Object>& parts,
                   const std::string& what) {
@@ -353,7 +382,10 @@ GeometryParts read_geometry(JsonContext& context, const JsonValue& value, const 
         context.scene.geometries.push_back(std::move(geometry));
         parts.objects.push_back(std::move(object));
     }
-    if (record->type == "volume") read_look_up(context, value, parts.objects, what);
+    if (record->type == "volume") {
+        read_look(context, value, parts.objects, what);
+        read_look_up(context, value, parts.objects, what);
+    }
     read_level_of_detail(context, value, parts.objects, what);
     if (record->type == "voxels") read_looks(context, value, parts.objects, what);
     return parts;

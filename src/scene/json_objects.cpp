@@ -107,7 +107,8 @@ void read_object(JsonContext& context, const JsonValue& value, std::size_t index
     for (Object& part : parts.objects) {
         if (context.json.error()) return;
         const Geometry& shape = context.scene.geometries[std::size_t(part.geometry)];
-        const bool volume = std::holds_alternative<VolumeGeometry>(shape.data);
+        const auto* grid = std::get_if<VolumeGeometry>(&shape.data);
+        const bool volume = grid && !grid->surface;
         if (!material && part.materials.empty() && !volume)
             context.json.fail(value, what +
                                          " needs \"material\": a name, null (an interface that does not scatter), or "

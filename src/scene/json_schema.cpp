@@ -159,9 +159,12 @@ OrderedJson definitions() {
     d["frame"] = bounded("integer", {0, 1 << 20});
     d["voxel_height"] = bounded("number", {1, 65536});
     d["pixels"] = bounded("number", {0, 1024});
+    d["level"] = bounded("number", any);
     d["size3"] = array_of(bounded("integer", {1, 65536}), 3);
     d["layers"] = array_of(array_of({{"type", "string"}, {"pattern", "^[. 1-9a-z]+$"}}));
     d["filter"] = {{"enum", volume_filters}};
+    d["volume_look"] = {{"enum", volume_looks}};
+    d["solid_side"] = {{"enum", solid_sides}};
     d["precision"] = {{"enum", grid_precisions}};
     d["bounds"] = array_of(array_of(number, 3), 2);
     d["sdf_node"] = sdf_node_schema();
@@ -252,6 +255,7 @@ std::string type_text(const Field& field) {
                 {"frame", "whole number"},
                 {"voxel_height", "number"},
                 {"pixels", "number"},
+                {"level", "number"},
                 {"size3", "[x, y, z], whole"},
                 {"layers", "list of lists of text"},
                 {"tile", "number or [x, y, width, height]"},
@@ -265,6 +269,8 @@ std::string type_text(const Field& field) {
                 {"formulas", "formulas by name"},
                 {"formula_values", "formulas by place"},
                 {"filter", "`nearest`, `linear`, `cubic`"},
+                {"volume_look", "`fog`, `surface`"},
+                {"solid_side", "`below`, `above`"},
                 {"precision", "`full`, `half`, `16 bits`, `8 bits`"},
                 {"bounds", "two corners"},
                 {"sdf", "text or tree"},

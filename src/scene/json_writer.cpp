@@ -244,6 +244,9 @@ class Writer {
             value["values"] = floats(grid.samples->dense());
             if (grid.index_to_local != mat4x3(1)) value["transform"] = matrix(grid.index_to_local);
             value["filter"] = volume_filters[std::size_t(grid.filter)];
+            if (volume->surface) value["as"] = volume_looks[1];
+            if (volume->surface && volume->level != 0) value["level"] = json_number(volume->level);
+            if (volume->surface && volume->solid_above) value["solid"] = solid_sides[1];
             if (grid.precision != GridPrecision::full)
                 value["precision"] = grid_precisions[std::size_t(grid.precision)];
         } else if (const auto* sdf = std::get_if<SdfGeometry>(&geometry.data)) {

@@ -553,7 +553,9 @@ const Family& geometry_family() {
                     by_hand("outlines", "outlines", "Lines along the edges of voxels."),
                     by_hand("waves", "waves", "Waves on top of voxels of water."),
                 }),
-            record_by_hand("volume", "The box of a density grid: no surface of its own, holds an interior medium.",
+            record_by_hand("volume",
+                           "Samples on a grid. As fog, the box of a density: no surface of its own, holds an interior "
+                           "medium. As a surface, the solid on one side of a level.",
                            {
                                by_hand("file", "path", "Volume file relative to the scene file."),
                                by_hand("grid", "text",
@@ -569,6 +571,14 @@ const Family& geometry_family() {
                                by_hand("filter", "filter",
                                        "Look-up between samples; linear, or as the file has it. `cubic` is a B-spline: "
                                        "smooth, and smoothing."),
+                               by_hand("as", "volume_look",
+                                       "`surface`, the default of level sets, or `fog`, that of all else. A level set "
+                                       "as fog is 1 inside and falls to 0 over its band."),
+                               by_hand("level", "level",
+                                       "Of a surface: it lies where the look-up crosses this, in the data's units; 0."),
+                               by_hand("solid", "solid_side",
+                                       "Of a surface: which side of the level is solid; `below`, as of distances. The "
+                                       "solid ends at the outermost samples."),
                                by_hand("precision", "precision",
                                        "How samples are kept: `full` as floats, `half` within 1/2048 of the value, `16 "
                                        "bits` and `8 bits` within 1/131070 and 1/510 of what the samples of a brick of "

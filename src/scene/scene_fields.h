@@ -94,6 +94,8 @@ const Family& light_family();
 
 // Words for Filter and GridPrecision of volumes.
 inline constexpr std::string_view volume_filters[] = {"nearest", "linear", "cubic"};
+inline constexpr std::string_view volume_looks[] = {"fog", "surface"};
+inline constexpr std::string_view solid_sides[] = {"below", "above"};
 inline constexpr std::string_view grid_precisions[] = {"full", "half", "16 bits", "8 bits"};
 
 // ---------------------------------------------------------------------------------------------- how rows are

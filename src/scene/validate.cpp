@@ -194,7 +194,8 @@ Fault object_fault(const Object& object, const Scene& scene, const std::vector<s
 
     const Geometry& geometry = scene.geometries[std::size_t(object.geometry)];
     const std::string kind(kind_name(geometry));
-    if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
+    const auto* volume = std::get_if<VolumeGeometry>(&geometry.data);
+    if (volume && !volume->surface) {
         const bool vectors = volume->grid >= 0 && volume->grid < int(scene.grids.size()) &&
                              scene.grids[std::size_t(volume->grid)].samples->channels() > 1;
         if (object.interior < 0 && !vectors) return "is a volume without an interior medium";
@@ -228,7 +229,8 @@ std::uint32_t slot_count(const Geometry& geometry) {
         return voxels->tree ? voxels->tree->palette_maximum() : 0;
     if (const auto* voxels = std::get_if<SdfVoxelGeometry>(&geometry.data))
         return std::uint32_t(voxels->strata.size() + 1);
-    return std::holds_alternative<VolumeGeometry>(geometry.data) ? 0 : 1;
+    const auto* volume = std::get_if<VolumeGeometry>(&geometry.data);
+    return volume && !volume->surface ? 0 : 1;
 }
 
 Fault transform_fault(const mat4x3& transform) {
@@ -352,7 +354,10 @@ Fault fault(const Geometry& geometry) {
     return std::visit(overloaded{
                           [](const MeshGeometry& mesh) { return mesh_fault(mesh); },
                           [](const VoxelGeometry& voxels) { return voxels_fault(voxels); },
-                          [](const VolumeGeometry&) -> Fault { return {}; },
+                          [](const VolumeGeometry& volume) -> Fault {
+                              if (!std::isfinite(volume.level)) return "has a level that is not finite";
+                              return {};
+                          },
                           [](const SdfGeometry& sdf) { return sdf_fault(sdf); },
                           [](const SdfVoxelGeometry& voxels) { return sdf_voxels_fault(voxels); },
                           [](const SphereGeometry& sphere) -> Fault {
@@ -484,9 +489,17 @@ Result<void> validate(const Scene& scene) {
     std::vector<std::uint32_t> slot_counts;
     for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
         const Geometry& geometry = scene.geometries[i];
-        if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data))
+        if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             if (volume->grid < 0 || volume->grid >= int(scene.grids.size()))
                 return Error{called("geometry", geometry.name, i) + " refers to a grid that is not there"};
+            const Grid& grid = scene.grids[std::size_t(volume->grid)];
+            if (volume->surface && grid.samples->channels() > 1)
+                return Error{called("geometry", geometry.name, i) + " is a surface of vectors; it needs numbers"};
+            if (volume->surface && grid.filter == Filter::nearest)
+                return Error{called("geometry", geometry.name, i) +
+                             " is a surface looked up by its nearest samples, which leaves steps: the filter has to be "
+                             "linear or cubic"};
+        }
         slot_counts.push_back(slot_count(geometry));
     }
     for (std::size_t i = 0; i < scene.objects.size(); ++i)

@@ -236,8 +236,9 @@ class Voxeliser {
             };
         } else if (const auto* volume = std::get_if<VolumeGeometry>(&geometry.data)) {
             layer.field = [this, volume, to_object, look = look_of(object, 0)](const auto& palette) {
-                return volume_voxels(scene_.grids[std::size_t(volume->grid)], frame_, to_object, options_.threshold,
-                                     palette[look]);
+                const Grid& grid = scene_.grids[std::size_t(volume->grid)];
+                if (!volume->surface) return volume_voxels(grid, frame_, to_object, options_.threshold, palette[look]);
+                return solid_voxels(grid, frame_, to_object, volume->level, volume->solid_above, palette[look]);
             };
         } else if (const auto* procedural = std::get_if<SdfVoxelGeometry>(&geometry.data)) {
             if (Result<void> added = add_sdf_voxels(object, *procedural, layer); !added) return added;

@@ -86,8 +86,14 @@ TEST_F(VdbVolume, several_grids_vectors_tiles_and_level_sets) {
     EXPECT_EQ(scene->grids[1].name, "wind");
     EXPECT_EQ(scene->grids[1].samples->channels(), 3);
     EXPECT_EQ(scene->grids[2].name, "density[1]");
-    EXPECT_EQ(scene->grids[2].samples->minimum(), 0.0f);
-    EXPECT_EQ(scene->grids[2].samples->maximum(), 1.0f) << "a level set is fog";
+    EXPECT_EQ(scene->grids[2].samples->minimum(), -1.5f);
+    EXPECT_EQ(scene->grids[2].samples->maximum(), 1.5f);
+    EXPECT_TRUE(scene->grids[2].level_set);
+    EXPECT_FALSE(scene->grids[0].level_set);
+    EXPECT_TRUE(std::get<VolumeGeometry>(scene->geometries[2].data).surface) << "a level set is a surface";
+    ASSERT_EQ(scene->objects[2].materials.size(), 1u);
+    EXPECT_GE(scene->objects[2].materials[0], 0);
+    EXPECT_EQ(scene->objects[2].interior, -1);
     ASSERT_EQ(scene->notes.size(), 1u);
     EXPECT_NE(scene->notes[0].find("'count'"), std::string::npos);
     LoadOptions one;

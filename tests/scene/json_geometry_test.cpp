@@ -132,6 +132,21 @@ TEST(JsonGeometry, sdf_text_and_tree_agree) {
     EXPECT_EQ(tree.bounds->second, vec3(1, 2, 3));
 }
 
+TEST(JsonGeometry, volumes_as_surfaces) {
+    const std::string samples = R"("type": "volume", "size": [1, 1, 2], "values": [1, 2])";
+    EXPECT_FALSE(read<VolumeGeometry>("{" + samples + "}").surface);
+    const auto plain = read<VolumeGeometry>("{" + samples + R"(, "as": "surface"})");
+    EXPECT_TRUE(plain.surface);
+    EXPECT_EQ(plain.level, 0);
+    EXPECT_FALSE(plain.solid_above);
+    const auto above = read<VolumeGeometry>("{" + samples + R"(, "as": "surface", "level": 1.5, "solid": "above"})");
+    EXPECT_EQ(above.level, 1.5f);
+    EXPECT_TRUE(above.solid_above);
+    EXPECT_EQ(message("{" + samples + R"(, "level": 1})"),
+              "a.json:2:6: \"level\" of geometry \"g\" needs \"as\": \"surface\"");
+    EXPECT_NE(message("{" + samples + R"(, "as": "mesh"})").find("fog, surface"), std::string::npos);
+}
+
 TEST(JsonGeometry, sdf_that_is_wrong) {
     const auto sdf = [](const std::string& expression) {
         return message("{\"type\": \"sdf\",\n\"expression\": " + expression + "}");

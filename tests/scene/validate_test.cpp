@@ -132,6 +132,19 @@ TEST(Validate, each_fault_is_a_sentence_that_names_the_thing) {
         {"geometry \"voxels\" has no voxels", [](Scene& s) { geometry<VoxelGeometry>(s, voxels).tree = nullptr; }},
         {"geometry \"volume\" refers to a grid that is not there",
          [](Scene& s) { geometry<VolumeGeometry>(s, volume).grid = -1; }},
+        {"geometry \"volume\" has a level that is not finite",
+         [](Scene& s) { geometry<VolumeGeometry>(s, volume).level = infinity; }},
+        {"geometry \"volume\" is a surface of vectors; it needs numbers",
+         [](Scene& s) {
+             geometry<VolumeGeometry>(s, volume).surface = true;
+             s.grids[0].samples = *build_grid({1, 1, 1}, std::vector<float>{1, 2, 3}, 3);
+         }},
+        {"geometry \"volume\" is a surface looked up by its nearest samples, which leaves steps: the filter has to be "
+         "linear or cubic",
+         [](Scene& s) {
+             geometry<VolumeGeometry>(s, volume).surface = true;
+             s.grids[0].filter = Filter::nearest;
+         }},
         {"geometry \"sdf\" has no expression", [](Scene& s) { geometry<SdfGeometry>(s, sdf).root.op.clear(); }},
         {"geometry \"ball\" has a radius that is not above 0",
          [](Scene& s) { geometry<SphereGeometry>(s, ball).radius = 0; }},

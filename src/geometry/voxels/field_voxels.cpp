@@ -63,28 +63,47 @@ VoxelFunction sdf_voxels(const SdfData& data, const VoxelFrame& frame, const mat
     return {at, box};
 }
 
-VoxelFunction volume_voxels(const Grid& grid, const VoxelFrame& frame, const mat4x3& world_to_object, float threshold,
-                            std::uint16_t palette) {
+namespace {
+
+// Cells at whose centre the grid's linear or nearest value is what `solid` accepts.
+template <class Solid>
+VoxelFunction cells_where(const Grid& grid, const VoxelFrame& frame, const mat4x3& world_to_object,
+                          std::uint16_t palette, const Solid& solid) {
     const glm::dmat4 to_index = glm::inverse(glm::dmat4(glm::mat4(grid.index_to_local)));
     const dmat4x3 to_object = cells_to_object(frame, world_to_object);
     dmat4x3 to_grid;
     for (int i = 0; i < 4; ++i) to_grid[i] = dvec3(to_index * glm::dvec4(to_object[i], i == 3 ? 1 : 0));
-    const auto value = [&grid](ivec3 i) { return grid.samples->at(glm::clamp(i, ivec3(0), grid.samples->size() - 1)); };
+    const auto value = [&grid](ivec3 i) {
+        return double(grid.samples->at(glm::clamp(i, ivec3(0), grid.samples->size() - 1)));
+    };
     const auto at = [=, &grid](ivec3 cell) {
         const dvec3 p = transformed(to_grid, dvec3(cell) + 0.5);
         if (glm::any(glm::lessThan(p, dvec3(0))) || glm::any(glm::greaterThanEqual(p, dvec3(grid.samples->size()))))
             return std::uint16_t(0);
-        if (grid.filter == Filter::nearest) return value(ivec3(p)) >= threshold ? palette : std::uint16_t(0);
+        if (grid.filter == Filter::nearest) return solid(value(ivec3(p))) ? palette : std::uint16_t(0);
         const dvec3 q = p - 0.5, base = glm::floor(q), w = q - base;
         double sum = 0;
         for (int i = 0; i < 8; ++i) {
             const ivec3 corner(i & 1, i >> 1 & 1, i >> 2);
             const dvec3 part = glm::mix(1.0 - w, w, dvec3(corner));
-            sum += part.x * part.y * part.z * double(value(ivec3(base) + corner));
+            sum += part.x * part.y * part.z * value(ivec3(base) + corner);
         }
-        return sum >= double(threshold) ? palette : std::uint16_t(0);
+        return solid(sum) ? palette : std::uint16_t(0);
     };
     return {at, {}};
+}
+
+}  // namespace
+
+VoxelFunction volume_voxels(const Grid& grid, const VoxelFrame& frame, const mat4x3& world_to_object, float threshold,
+                            std::uint16_t palette) {
+    return cells_where(grid, frame, world_to_object, palette, [=](double value) { return value >= double(threshold); });
+}
+
+VoxelFunction solid_voxels(const Grid& grid, const VoxelFrame& frame, const mat4x3& world_to_object, float level,
+                           bool above, std::uint16_t palette) {
+    return cells_where(grid, frame, world_to_object, palette,
+                       [=](double value) { return above ? value > double(level) : value < double(level); });
 }
 
 }  // namespace spinel

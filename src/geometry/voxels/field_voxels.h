@@ -19,4 +19,8 @@ VoxelFunction sdf_voxels(const SdfData& data, const VoxelFrame& frame, const mat
 VoxelFunction volume_voxels(const Grid& grid, const VoxelFrame& frame, const mat4x3& world_to_object, float threshold,
                             std::uint16_t palette);
 
+// The same of a volume's surface: cells at whose centre the grid is below `level`, or above it.
+VoxelFunction solid_voxels(const Grid& grid, const VoxelFrame& frame, const mat4x3& world_to_object, float level,
+                           bool above, std::uint16_t palette);
+
 }  // namespace spinel
