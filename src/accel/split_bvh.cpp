@@ -52,6 +52,7 @@ struct Split {
     float cost = infinity;
     float overlap = 0;  // area of what the children share
     bool spatial = false;
+    Bounds left = {}, right = {};  // of the children
 };
 
 int ceil_log2(std::size_t n) { return n <= 1 ? 0 : std::bit_width(n - 1); }
@@ -184,9 +185,9 @@ class Builder {
             const float cost = options_.traversal_cost +
                                (left.half_area() * blocks(left_count) + right_cost[std::size_t(i)]) * inverse_area;
             if (cost < best.cost) {  // NaN never wins
-                best = {axis, i, cost, 0, spatial};
+                const Bounds& r = right_bounds[std::size_t(i)];
+                best = {axis, i, cost, 0, spatial, left, r};
                 if (!spatial && options_.spatial_growth > 0) {
-                    const Bounds& r = right_bounds[std::size_t(i)];
                     const Float4 shared = max(min(left.upper, r.upper) - max(left.lower, r.lower), Float4(0.0f));
                     best.overlap = half_area(shared);
                 }
@@ -282,25 +283,30 @@ class Builder {
         record.centers.extend(reference.center());
     }
 
+    // Without a branch on where a reference goes, which nobody can guess: every one is put where the left ones end, and
+    // what stood there in its place.
     void partition(Record& record, const Split& split, Record& left, Record& right) const {
         const Binning binning(record.centers, bins_for(record.references.size()));
-        Reference* begin = record.references.data();
-        Reference* end = begin + record.references.size();
-        const int axis = split.axis;
-        const float offset = lanes_of(binning.offset)[std::size_t(axis)],
-                    scale = lanes_of(binning.scale)[std::size_t(axis)];
-        const auto goes_left = [&](const Reference& reference) {  // as bins_of()
-            return int((reference.lower[axis] * 0.5f + reference.upper[axis] * 0.5f - offset) * scale) < split.bin;
-        };
-        for (;;) {
-            while (begin < end && goes_left(*begin)) extend(left, *begin++);
-            while (begin < end && !goes_left(end[-1])) extend(right, *--end);
-            if (begin >= end) break;
-            std::swap(*begin, end[-1]);
+        const auto axis = std::size_t(split.axis);
+        const float offset = lanes_of(binning.offset)[axis], scale = lanes_of(binning.scale)[axis];
+        std::array<Bounds, 2> centers;
+        Reference* middle = record.references.data();
+        for (Reference& place : record.references) {
+            const Reference reference = place;
+            const float center = reference.lower[split.axis] * 0.5f + reference.upper[split.axis] * 0.5f;
+            const bool goes_left = int((center - offset) * scale) < split.bin;  // as bins_of()
+            place = *middle;
+            *middle = reference;
+            middle += goes_left;
+            centers[goes_left].extend(reference.center());
         }
-        const std::size_t middle = std::size_t(begin - record.references.data());
-        left.references = record.references.first(middle);
-        right.references = record.references.subspan(middle);
+        const auto count = std::size_t(middle - record.references.data());
+        left.references = record.references.first(count);
+        right.references = record.references.subspan(count);
+        left.bounds = split.left;
+        right.bounds = split.right;
+        left.centers = centers[1];
+        right.centers = centers[0];
     }
 
     // References on both sides are cut in two, unless it is cheaper to leave them whole on one side ("unsplitting").
