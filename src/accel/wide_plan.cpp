@@ -25,6 +25,7 @@ struct Choice {
     std::array<std::uint8_t, width> left;  // of i children those that stand for the left subtree; 0: as for i − 1
     std::uint32_t first;                   // of the subtree's primitives in the order of leaves …
     std::uint32_t count;                   // … and how many
+    std::uint32_t most;                    // children that it can stand for, up to 7: more are as cheap
     bool leaf;                             // as one child, a leaf is the cheapest
 };
 
@@ -53,6 +54,7 @@ class Planner {
             if (nodes[n].count > 0) {
                 c.first = nodes[n].first;
                 c.count = nodes[n].count;
+                c.most = 1;
                 c.leaf = true;
                 c.cost.fill(area * options_.block_cost * float(leaves_.blocks(c.first, c.count)));
                 continue;
@@ -61,11 +63,14 @@ class Planner {
             assert(l.first + l.count == r.first);
             c.first = l.first;
             c.count = l.count + r.count;
+            c.most = std::min(l.most + r.most, width - 1);
             for (std::uint32_t i = 2; i <= width; ++i) {
+                const std::uint32_t last = std::min(i - 1, l.most);
+                const std::uint32_t first = std::min(i > r.most ? i - r.most : 1, last);
                 // The number of children on the left stands in the last bits of the cost, so that the least of all is
                 // found without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
                 std::uint32_t least = ~0u;
-                for (std::uint32_t k = 1; k < i; ++k)
+                for (std::uint32_t k = first; k <= last; ++k)
                     least =
                         std::min(least, (std::bit_cast<std::uint32_t>(l.cost[k - 1] + r.cost[i - k - 1]) & ~7u) | k);
                 c.cost[i - 1] = std::bit_cast<float>(least & ~7u);

@@ -19,7 +19,9 @@ MeshGeometry triangle() {
 TEST(Compile, a_preset_is_checked_and_left_with_its_structure) {
     Scene scene;
     scene.geometries = {{"bare", triangle()}};
+    scene.materials.push_back({"grey", default_material(kernels::MATERIAL_DIFFUSE)});
     scene.objects.emplace_back().geometry = 0;
+    scene.objects[0].materials = {0};
     scene.cameras.push_back({});
     scene.accelerator.preset = "fast";
     EXPECT_TRUE(compile(scene));
