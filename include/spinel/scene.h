@@ -342,6 +342,7 @@ struct IntegratorSettings {
 struct AcceleratorSettings {
     std::string structure = "wide-bvh8";       // `spinel list accelerators`
     std::string triangle_test = "watertight";  // `spinel list triangle-tests`
+    std::string preset = {};                   // of structures that have some: "fast", "balanced", "high"; "": the last
 };
 
 // A scene file that is a test carries what it must give: the mean over the picture.

@@ -37,34 +37,40 @@ class Builder {
         MortonGrains sorted = morton_grains(boxes_, grain_most);
         if (sorted.grains.empty()) return {};
         grains_ = std::move(sorted.grains);
-        bvh_.order = std::move(sorted.order);
+        sorted_ = std::move(sorted.order);
         SplitBvhOptions over;
         over.block = over.max_leaf = over.min_leaf = 1;
         over.bin_count = 8;
         over.max_depth = int(kernels::BVH_MAX_DEPTH) - int(leaves_for(grain_most));
         Bvh top = build_split_bvh(grain_bounds(), over);
 
-        // Where each grain's nodes will stand, behind those of the top.
-        struct Root {
-            std::size_t node, free;
-        };
-        std::vector<Root> roots;
-        roots.reserve(grains_.size());
-        std::size_t size = top.nodes.size();
-        for (std::size_t n = 0; n < top.nodes.size(); ++n) {
-            if (top.nodes[n].count == 0) continue;
-            roots.push_back({n, size});
-            const MortonGrain& grain = grains_[top.order[top.nodes[n].first]];
-            size += 2 * (leaves_for(grain.end - grain.begin) - 1);
+        // Grains stand in the order of the top's leaves, so that the primitives below any node follow each other; their
+        // nodes behind those of the top.
+        std::vector<std::size_t> places(grains_.size()), free(grains_.size());
+        std::size_t place = 0, size = top.nodes.size();
+        for (std::size_t g = 0; g < grains_.size(); ++g) {
+            const std::size_t count = grains_[top.order[g]].end - grains_[top.order[g]].begin;
+            places[g] = place;
+            free[g] = size;
+            place += count;
+            size += 2 * (leaves_for(count) - 1);
         }
+        std::vector<std::uint32_t> roots(grains_.size());
+        for (std::size_t n = 0; n < top.nodes.size(); ++n)
+            if (top.nodes[n].count > 0) roots[top.nodes[n].first] = std::uint32_t(n);
         bvh_.nodes = std::move(top.nodes);
         bvh_.nodes.resize(size);
+        bvh_.order.resize(place);
         parallel_for(roots.size(), 1024, [&](std::size_t begin, std::size_t end) {
             std::array<Bounds, grain_most> boxes;
-            for (std::size_t r = begin; r < end; ++r) {
-                const MortonGrain grain = grains_[top.order[bvh_.nodes[roots[r].node].first]];
-                for (std::size_t i = grain.begin; i < grain.end; ++i) boxes[i - grain.begin] = bounds_at(i);
-                divide(roots[r].node, roots[r].free, std::span(boxes).first(grain.end - grain.begin), grain.begin);
+            for (std::size_t g = begin; g < end; ++g) {
+                const MortonGrain grain = grains_[top.order[g]];
+                const std::size_t count = grain.end - grain.begin;
+                for (std::size_t i = 0; i < count; ++i) {
+                    boxes[i] = bounds_of(grain.begin + i);
+                    bvh_.order[places[g] + i] = sorted_[grain.begin + i];
+                }
+                divide(roots[g], free[g], std::span(boxes).first(count), places[g]);
             }
         });
         return std::move(bvh_);
@@ -73,8 +79,9 @@ class Builder {
   private:
     std::size_t leaves_for(std::size_t count) const { return leaves_for_[count]; }
 
-    Bounds bounds_at(std::size_t place) const {
-        const Box& box = boxes_[bvh_.order[place]];
+    // Of the primitive at a place along the curve.
+    Bounds bounds_of(std::size_t place) const {
+        const Box& box = boxes_[sorted_[place]];
         return {Float4(box.lower), Float4(box.upper)};
     }
 
@@ -83,7 +90,7 @@ class Builder {
         parallel_for(grains_.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t g = begin; g < end; ++g) {
                 Bounds bounds;
-                for (std::size_t i = grains_[g].begin; i < grains_[g].end; ++i) bounds.extend(bounds_at(i));
+                for (std::size_t i = grains_[g].begin; i < grains_[g].end; ++i) bounds.extend(bounds_of(i));
                 const auto l = lanes_of(bounds.lower), u = lanes_of(bounds.upper);
                 boxes[g] = {{l[0], l[1], l[2]}, {u[0], u[1], u[2]}};
             }
@@ -139,6 +146,7 @@ class Builder {
     const GrainBvhOptions& options_;
     std::array<std::uint32_t, grain_most + 1> leaves_for_;
     std::vector<MortonGrain> grains_;
+    std::vector<std::uint32_t> sorted_;  // primitives along the curve
     Bvh bvh_;
 };
 

@@ -52,6 +52,7 @@ struct Split {
     float cost = infinity;
     float overlap = 0;  // area of what the children share
     bool spatial = false;
+    Bounds left = {}, right = {};  // of the children
 };
 
 int ceil_log2(std::size_t n) { return n <= 1 ? 0 : std::bit_width(n - 1); }
@@ -85,7 +86,11 @@ struct Binning {
 class Builder {
   public:
     Builder(const SplitBvhOptions& options, const ClipPrimitive& clip, std::size_t max_references)
-        : options_(options), clip_(clip), nodes_(2 * max_references), order_(max_references) {}
+        : options_(options),
+          clip_(clip),
+          block_bits_(std::countr_zero(options.block)),
+          nodes_(2 * max_references),
+          order_(max_references) {}
 
     Bvh run(Record& root) {
         root_area_ = root.bounds.half_area();
@@ -102,7 +107,8 @@ class Builder {
         node.upper = three(record.bounds.upper);
         const std::size_t count = record.references.size();
         if (count <= options_.min_leaf) return make_leaf(node, record);
-        // As many levels as halving needs are kept in reserve, which bounds the depth whatever the input.
+        // As many levels as halving needs are kept in reserve, which bounds the
+        // depth whatever the input.
         const bool balance = record.depth + ceil_log2(count) >= options_.max_depth;
         Split split;
         if (!balance) split = best_split(record);
@@ -130,10 +136,7 @@ class Builder {
         }
     }
 
-    float blocks(std::size_t count) const {
-        const std::size_t filled = (count + options_.block - 1) / options_.block;
-        return float(filled);
-    }
+    float blocks(std::size_t count) const { return float((count + options_.block - 1) >> block_bits_); }
 
     void make_leaf(BvhNode& node, const Record& record) {
         const std::size_t first = next_order_.fetch_add(record.references.size(), std::memory_order_relaxed);
@@ -163,8 +166,9 @@ class Builder {
         return best;
     }
 
-    // Of the planes between bins, the one with the least expected cost; `counts` of primitives that go left by the bin
-    // they begin in, and right by the one they end in.
+    // Of the planes between bins, the one with the least expected cost; `counts`
+    // of primitives that go left by the bin they begin in, and right by the one
+    // they end in.
     template <class Counts>
     void sweep(const Bounds* bins, int bin_count, const Counts& begins, const Counts& ends, int axis,
                float inverse_area, bool spatial, Split& best) const {
@@ -187,9 +191,9 @@ class Builder {
             const float cost = options_.traversal_cost +
                                (left.half_area() * blocks(left_count) + right_cost[std::size_t(i)]) * inverse_area;
             if (cost < best.cost) {  // NaN never wins
-                best = {axis, i, cost, 0, spatial};
+                const Bounds& r = right_bounds[std::size_t(i)];
+                best = {axis, i, cost, 0, spatial, left, r};
                 if (!spatial && options_.spatial_growth > 0) {
-                    const Bounds& r = right_bounds[std::size_t(i)];
                     const Float4 shared = max(min(left.upper, r.upper) - max(left.lower, r.lower), Float4(0.0f));
                     best.overlap = half_area(shared);
                 }
@@ -285,29 +289,42 @@ class Builder {
         record.centers.extend(reference.center());
     }
 
+    // Without a branch on where a reference goes, which nobody can guess: every
+    // one is put where the left ones end, and what stood there in its place.
     void partition(Record& record, const Split& split, Record& left, Record& right) const {
         const Binning binning(record.centers, bins_for(record.references.size()));
-        Reference* begin = record.references.data();
-        Reference* end = begin + record.references.size();
-        const int axis = split.axis;
-        const float offset = lanes_of(binning.offset)[std::size_t(axis)],
-                    scale = lanes_of(binning.scale)[std::size_t(axis)];
-        const auto goes_left = [&](const Reference& reference) {  // as bins_of()
-            return int((reference.lower[axis] * 0.5f + reference.upper[axis] * 0.5f - offset) * scale) < split.bin;
-        };
-        for (;;) {
-            while (begin < end && goes_left(*begin)) extend(left, *begin++);
-            while (begin < end && !goes_left(end[-1])) extend(right, *--end);
-            if (begin >= end) break;
-            std::swap(*begin, end[-1]);
+        const auto axis = std::size_t(split.axis);
+        const float offset = lanes_of(binning.offset)[axis], scale = lanes_of(binning.scale)[axis];
+        // What is added to a centre before the bounds of the left ones and of the
+        // right ones are asked: infinity keeps out.
+        static constexpr float keep_out[3] = {infinity, 0, infinity};
+        Bounds left_centers, right_centers;
+        Reference* middle = record.references.data();
+        for (Reference& place : record.references) {
+            const Reference reference = place;
+            const Float4 center = reference.center();
+            const float along = reference.lower[split.axis] * 0.5f + reference.upper[split.axis] * 0.5f;
+            const bool goes_left = int((along - offset) * scale) < split.bin;  // as bins_of()
+            place = *middle;
+            *middle = reference;
+            middle += goes_left;
+            const Float4 not_left(keep_out[goes_left]), not_right(keep_out[1 + goes_left]);
+            left_centers.lower = min(left_centers.lower, center + not_left);
+            left_centers.upper = max(left_centers.upper, center - not_left);
+            right_centers.lower = min(right_centers.lower, center + not_right);
+            right_centers.upper = max(right_centers.upper, center - not_right);
         }
-        const std::size_t middle = std::size_t(begin - record.references.data());
-        left.references = record.references.first(middle);
-        right.references = record.references.subspan(middle);
+        const auto count = std::size_t(middle - record.references.data());
+        left.references = record.references.first(count);
+        right.references = record.references.subspan(count);
+        left.bounds = split.left;
+        right.bounds = split.right;
+        left.centers = left_centers;
+        right.centers = right_centers;
     }
 
-    // References on both sides are cut in two, unless it is cheaper to leave them whole on one side ("unsplitting").
-    // False: it came to nothing.
+    // References on both sides are cut in two, unless it is cheaper to leave them
+    // whole on one side ("unsplitting"). False: it came to nothing.
     bool partition_space(const Record& record, const Split& split, Record& left, Record& right,
                          std::vector<Reference>& left_parts, std::vector<Reference>& right_parts) const {
         const float plane = bin_plane(record, split.axis, split.bin);
@@ -379,7 +396,8 @@ class Builder {
         return true;
     }
 
-    // Halves by number, ordered by centre along the widest axis; ties by primitive, so that the order is total.
+    // Halves by number, ordered by centre along the widest axis; ties by
+    // primitive, so that the order is total.
     static void halve(Record& record, Record& left, Record& right) {
         const glm::vec3 extent = three(record.centers.upper - record.centers.lower);
         const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
@@ -439,6 +457,7 @@ class Builder {
 
     const SplitBvhOptions& options_;
     const ClipPrimitive& clip_;
+    int block_bits_;
     float root_area_ = 0;
     HugeVector<BvhNode> nodes_;  // as many as there can be
     HugeVector<std::uint32_t> order_;
@@ -450,6 +469,7 @@ class Builder {
 Bvh build_split_bvh(std::span<const Box> boxes, const SplitBvhOptions& options, const ClipPrimitive& clip) {
     assert(boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
     assert(options.min_leaf >= 1 && options.min_leaf <= options.max_leaf && options.max_leaf <= kernels::BVH_MAX_LEAF);
+    assert(std::has_single_bit(options.block));
     assert(options.bin_count >= 4 && options.bin_count <= max_bins);
     HugeVector<Reference> references;
     references.reserve(boxes.size());

@@ -1,24 +1,16 @@
 #pragma once
-// Makes eight-wide hierarchies, which CPUs walk, out of binary ones. Which nodes of the binary tree become
-// children of one wide node, and which subtrees become leaves, is chosen for the least expected cost by dynamic
-// programming over the binary tree: Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through
-// Compressed Wide BVHs", HPG 2017, section 2.2.
+// Makes eight-wide hierarchies, which CPUs walk, out of binary ones (wide_plan.h), with the vertices of triangles
+// gathered in blocks of four.
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "accel/bvh_builder.h"
+#include "accel/wide_plan.h"
 #include "core/huge_pages.h"
 
 namespace spinel {
-
-struct WideBvhOptions {
-    std::uint32_t max_leaf_blocks = 2;  // of four triangles each, at most 15
-    float node_cost = 1.0f;             // of eight boxes at once …
-    float block_cost = 1.0f;            // … and of four triangles
-};
 
 struct WideBvhStatistics {
     double sah_cost = 0;  // expected cost of a ray that meets the root's box, in units of the options' costs

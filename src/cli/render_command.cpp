@@ -40,7 +40,8 @@ struct Options {
     int max_bounces = -2;
     double clamp = -1;
     std::string integrator;
-    std::string preset;            // transfer function of dvr
+    std::string preset;  // transfer function of dvr
+    AcceleratorSettings accelerator = {"", ""};
     std::vector<std::string> set;  // KEY=VALUE of the integrator
     double level_of_detail = -1;   // −1: the scene's
     std::string device = "cpu";
@@ -273,8 +274,8 @@ struct Run {
                        input.filename().string(), volumes);
         if (o.check && !scene->expected)
             return Error{fmt::format("{}: --check, but the scene has no \"expected\"", input.string())};
-        const Result<CompiledScene> compiled =
-            compile(*scene, {.camera = o.camera, .size = size, .integrator = o.integrator});
+        const Result<CompiledScene> compiled = compile(
+            *scene, {.camera = o.camera, .size = size, .integrator = o.integrator, .accelerator = o.accelerator});
         if (!compiled) return Error{fmt::format("{}: {}", input.string(), compiled.error().message)};
         const Result<std::unique_ptr<Device>> device = make_device(o.device);
         if (!device) return device.error();
@@ -375,6 +376,7 @@ int run(const Options& o, const CommonOptions& common) {
     }
     if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error(), exit_usage);
     if (const auto device = find_device(o.device); !device) return fail(device.error(), exit_usage);
+    if (const auto known = check_names(o.accelerator); !known) return fail(known.error(), exit_usage);
     if (!o.integrator.empty())
         if (const auto integrator = find_integrator(o.integrator); !integrator)
             return fail(integrator.error(), exit_usage);
@@ -458,6 +460,10 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
            "most that a path may add by indirect light, against sparks; 0: no limit, unbiased (default: the scene's, "
            "else 0; 10 for a bare model)")
         ->check(CLI::Range(0.0, 1e30));
+    app.add_option("--accel", o->accelerator.structure,
+                   "what meshes are built into, `spinel list accelerators` (default: the scene's)");
+    app.add_option("--accel-preset", o->accelerator.preset,
+                   "how wide-bvh8 is built: fast, balanced, high (default: the scene's)");
     app.add_option("--device", o->device, "`spinel list devices`")->capture_default_str();
     app.add_option("--seed", o->seed, "another seed, another noise; the same seed, the same bits")
         ->capture_default_str();

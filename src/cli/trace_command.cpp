@@ -22,7 +22,7 @@ struct Options {
     std::string output;
     LoadOptions load;
     std::string accelerator;  // empty: the scene's
-    std::string triangle_test;
+    std::string triangle_test, preset;
     TraceOptions trace;
 };
 
@@ -30,13 +30,14 @@ Result<int> run(const Options& o, const CommonOptions& common) {
     TraceOptions trace = o.trace;
     CompileOptions compiling;
     compiling.accelerator.triangle_test = o.triangle_test;
-    if (const auto test = find_triangle_test(o.triangle_test); !test) return fail(test.error(), exit_usage);
+    compiling.accelerator.preset = o.preset;
     if (!o.accelerator.empty()) {
         const auto accelerator = find_accelerator(o.accelerator);
         if (!accelerator) return fail(accelerator.error(), exit_usage);
         trace.method = (*accelerator)->method;
         compiling.accelerator.structure = (*accelerator)->structure;
     }
+    if (const auto known = check_names(compiling.accelerator); !known) return fail(known.error(), exit_usage);
     LoadOptions load = o.load;
     load.voxels = !o.voxels.empty();
     const std::string& input = load.voxels ? o.voxels : o.input;
@@ -87,6 +88,7 @@ std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
     app.add_option("--rays", o->rays, "rays.npy: float32 [N,8] = origin, t_min, direction, t_max")->required();
     app.add_option("-o,--output", o->output, "hits.npy: structured array, one record a ray")->required();
     app.add_option("--accel", o->accelerator, "`spinel list accelerators` (default: the scene's)");
+    app.add_option("--accel-preset", o->preset, "how wide-bvh8 is built: fast, balanced, high (default: the scene's)");
     app.add_option("--triangle-test", o->triangle_test, "`spinel list triangle-tests` (default: the scene's)");
     app.add_flag("--any", o->trace.any, "only whether anything is hit: t is 0 if so, infinity if not");
     app.add_option("-t,--threads", o->trace.threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024));

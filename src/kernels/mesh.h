@@ -3,6 +3,7 @@
 // Rays against a triangle mesh, by whichever structure it was built into (geometry/mesh/mesh_structures.h). All of them
 // test triangles by the same functions, so they agree about t to the last bit.
 #include "mesh_bvh2.h"
+#include "mesh_compact.h"
 #include "mesh_grid.h"
 #include "mesh_kd.h"
 #include "mesh_spheres.h"
@@ -20,6 +21,7 @@ FN_ANEW MeshNearest mesh_walk(const_in(SceneView) scene, uint mesh, Ray ray, boo
         case MESH_WALK_GRID: mesh_grid_walk(scene, mesh, r, nearest, count); break;
         case MESH_WALK_SPHERES: mesh_sphere_walk(scene, mesh, r, nearest, count); break;
         case MESH_WALK_WIDE: mesh_wide_walk(scene, mesh, r, nearest, count); break;
+        case MESH_WALK_COMPACT: mesh_compact_walk(scene, mesh, r, nearest, count); break;
     }
     return nearest;
 }

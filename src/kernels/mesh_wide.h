@@ -87,12 +87,14 @@ struct WideNearest {
     vec3 normal;  // 0 if there is no triangle
 };
 
-// The CPU's own walk (devices/cpu/mesh_walk.cpp), with the watertight test; for any hit, what is told of it beside that
-// there is one means nothing.
+// The CPU's own walks of this layout and the compact one (devices/cpu/mesh_walk.cpp), with the watertight test; for any
+// hit, what is told of it beside that there is one means nothing.
 WideNearest device_mesh_wide(const_in(SceneView) scene, uint mesh, Ray ray, bool any);
 
 FN bool mesh_is_devices(const_in(SceneView) scene, uint mesh) {
-    return scene.meshes.at[mesh].walk == MESH_WALK_WIDE && scene.meshes.at[mesh].triangle_test == TRIANGLE_WATERTIGHT;
+    uint walk = scene.meshes.at[mesh].walk;
+    return (walk == MESH_WALK_WIDE || walk == MESH_WALK_COMPACT) &&
+           scene.meshes.at[mesh].triangle_test == TRIANGLE_WATERTIGHT;
 }
 #endif
 

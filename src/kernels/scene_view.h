@@ -93,6 +93,9 @@ struct ALIGNED(32) WideUnit {
 BUFFER(WideUnits, WideUnit)
 const uint WIDE_NODE_UNITS = 7u;
 const uint WIDE_BLOCK_UNITS = 5u;
+// The compact kind of it (mesh_compact.h) takes the same units as words of 32 bits, and references count in steps of
+// COMPACT_STEP words.
+const uint COMPACT_STEP = 4u;
 
 // How rays go through a mesh, and where its structure stands (mesh.h).
 const uint MESH_WALK_BVH2 = 0u;       // BvhNode, with a stack
@@ -101,6 +104,7 @@ const uint MESH_WALK_KD = 2u;         // KdNode
 const uint MESH_WALK_GRID = 3u;       // MeshGrid
 const uint MESH_WALK_SPHERES = 4u;    // SphereNode
 const uint MESH_WALK_WIDE = 5u;       // WideUnit
+const uint MESH_WALK_COMPACT = 6u;    // WideUnit as words
 
 // How rays are tested against its triangles (mesh_triangles.h).
 const uint TRIANGLE_WATERTIGHT = 0u;

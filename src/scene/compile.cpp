@@ -437,7 +437,11 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
     if (options.size.x > 0 && options.size.y > 0) out.film.size = options.size;
     out.integrator = scene.integrator;
     c.accelerator = scene.accelerator;
-    if (!options.accelerator.structure.empty()) c.accelerator.structure = options.accelerator.structure;
+    if (!options.accelerator.structure.empty()) {
+        c.accelerator.structure = options.accelerator.structure;
+        c.accelerator.preset.clear();
+    }
+    if (!options.accelerator.preset.empty()) c.accelerator.preset = options.accelerator.preset;
     if (!options.accelerator.triangle_test.empty()) c.accelerator.triangle_test = options.accelerator.triangle_test;
 
     std::optional<Camera> camera;

@@ -75,7 +75,7 @@ struct CompileOptions {
     std::string camera = {};                     // name; empty: the scene's first
     ivec2 size = {0, 0};                         // of the film; (0, 0): the scene's
     std::string integrator = {};                 // what it will be rendered by; empty: the scene's
-    AcceleratorSettings accelerator = {"", ""};  // empty names: the scene's
+    AcceleratorSettings accelerator = {"", ""};  // empty names: the scene's; with a structure: its default preset
 };
 
 // Validates, builds acceleration structures, majorants and light tables. Errors name the thing and what is allowed.

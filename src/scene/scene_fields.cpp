@@ -280,6 +280,9 @@ const Record& accelerator_record() {
                   "What meshes are built into, as `spinel list accelerators` prints it."),
             field("triangle_test", &AcceleratorSettings::triangle_test,
                   "How a ray is tested against a triangle, as `spinel list triangle-tests` prints it."),
+            field("preset", &AcceleratorSettings::preset,
+                  "How wide-bvh8 and wide-bvh8-compact are built: `fast`, `balanced` or `high`, slower to build and "
+                  "faster for rays in this order; empty: `high`."),
         });
     return table;
 }

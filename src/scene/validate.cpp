@@ -455,7 +455,9 @@ Result<void> validate(const Scene& scene) {
         return {};
     };
     if (const Fault f = fault(scene.film)) return error("film", f);
-    if (const auto found = find_mesh_structure(scene.accelerator.structure); !found) return found.error();
+    const auto structure = find_mesh_structure(scene.accelerator.structure);
+    if (!structure) return structure.error();
+    if (const auto found = find_preset(**structure, scene.accelerator.preset); !found) return found.error();
     if (const auto found = find_triangle_test(scene.accelerator.triangle_test); !found) return found.error();
     if (scene.integrator.spp < 1) return Error{"integrator needs at least 1 sample per pixel"};
     if (scene.integrator.max_bounces < -1) return Error{"integrator has max_bounces below −1"};

@@ -26,7 +26,8 @@ std::vector<Box> random_boxes(std::size_t count, std::uint32_t seed, float size 
     return boxes;
 }
 
-// Each box in exactly one leaf, `usable` in all, inside of its ancestors; children behind their parents.
+// Each box in exactly one leaf, `usable` in all, inside of its ancestors; children behind their parents; boxes below
+// a left child stand just before those below the right one.
 void check(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, std::uint32_t most) {
     ASSERT_EQ(bvh.order.size(), usable);
     std::vector<int> named(boxes.size()), held(bvh.order.size());
@@ -55,6 +56,17 @@ void check(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, st
         }
     }
     for (const int times : held) ASSERT_EQ(times, 1);
+    struct Range {
+        std::uint32_t first, end;
+    };
+    std::vector<Range> below(bvh.nodes.size());
+    for (std::size_t n = bvh.nodes.size(); n-- > 0;) {
+        const kernels::BvhNode& node = bvh.nodes[n];
+        below[n] = {node.first, node.first + node.count};
+        if (node.count > 0) continue;
+        ASSERT_EQ(below[node.first].end, below[node.first + 1].first);
+        below[n] = {below[node.first].first, below[node.first + 1].end};
+    }
 }
 
 double area_of(const glm::vec3& e) { return double(e.x) * e.y + double(e.y) * e.z + double(e.z) * e.x; }

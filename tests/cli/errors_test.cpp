@@ -156,7 +156,12 @@ TEST_F(CliErrors, a_value_that_is_none_of_the_allowed_ones_is_wrong_usage) {
     expect_refused({scene, "--tone-map", "sepia"}, USAGE, "unknown tone map 'sepia'; available: linear, aces, agx");
     expect_refused({scene, "--aov", "smell"}, USAGE, "smell");
     expect_complaint(run({"trace", scene, "--rays", at("r.npy"), "-o", at("h.npy"), "--accel", "abacus"}), USAGE,
-                     "unknown accelerator 'abacus'; available: wide-bvh8, bvh2");
+                     "unknown accelerator 'abacus'; available: wide-bvh8, wide-bvh8-compact, bvh2");
+    expect_refused({scene, "--accel", "abacus"}, USAGE, "unknown accelerator 'abacus'; available: wide-bvh8, ");
+    expect_refused({scene, "--accel-preset", "faster"}, USAGE, "unknown preset 'faster'; available: fast, balanced");
+    expect_refused({scene, "--accel", "bvh2", "--accel-preset", "fast"}, USAGE, "'bvh2' has no presets");
+    expect_complaint(run({"trace", scene, "--rays", at("r.npy"), "-o", at("h.npy"), "--accel-preset", "faster"}), USAGE,
+                     "unknown preset 'faster'; available: fast, balanced, high");
     expect_complaint(run({"list", "colours"}), USAGE, "materials");
     for (const std::string output : {"picture.bmp", "picture", "{name}.jpg"})
         expect_complaint(run({"render", scene, "-o", at(output)}), USAGE, "pictures are written as .png or .exr");

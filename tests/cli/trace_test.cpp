@@ -268,7 +268,7 @@ TEST_F(CliTrace, wrong_rays_are_refused) {
     expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("none/hits.npy")}), 1, "none");
     expect_complaint(
         run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--accel", "octree"}), 2,
-        "available: wide-bvh8, bvh2, ");
+        "available: wide-bvh8, wide-bvh8-compact, bvh2, ");
     expect_complaint(run({"trace", at("ball.json"), "--rays", at("rays.npy"), "-o", at("hits.npy"), "--triangle-test",
                           "barycentric"}),
                      2, "available: watertight, moller-trumbore");

@@ -25,18 +25,20 @@ using Triangles = std::vector<Triangle>;
 
 struct Built {
     Triangles triangles;
-    WideBvh tree;
-    WideMesh mesh;
+    WideBvh tree, compact_tree;
+    WideMesh mesh, compact;
 
     explicit Built(Triangles list, const WidePreset& preset = default_wide_preset())
         : triangles(std::move(list)),
           tree(build_wide_mesh(triangles, preset)),
+          compact_tree(build_compact_mesh(triangles, preset)),
           mesh{tree.units.data(), vec3(1e30f), vec3(-1e30f)} {
         for (const Triangle& t : triangles)
             for (const vec3& p : {t.a, t.b, t.c}) {
                 mesh.lower = glm::min(mesh.lower, p);
                 mesh.upper = glm::max(mesh.upper, p);
             }
+        compact = {compact_tree.units.data(), mesh.lower, mesh.upper};
     }
 };
 
@@ -64,6 +66,24 @@ void expect_equal(const WideHit& a, const WideHit& b, const Ray& ray) {
     ASSERT_EQ(a.v, b.v) << describe(ray);
 }
 
+// The walks of one layout.
+struct Walks {
+    WideHit (*closest)(const WideMesh&, const Ray&);
+    bool (*any)(const WideMesh&, const Ray&);
+    vec3 (*normal)(const WideHit&);
+};
+constexpr Walks wide_walks[] = {{wide_closest, wide_any, wide_normal},
+                                {wide_closest_portable, wide_any_portable, wide_normal}};
+constexpr Walks compact_walks[] = {{compact_closest, compact_any, compact_normal},
+                                   {compact_closest_portable, compact_any_portable, compact_normal}};
+
+// Calls visit(mesh, walks) for both layouts.
+template <class Visit>
+void each_walk(const Built& built, const Visit& visit) {
+    for (const Walks& walks : wide_walks) visit(built.mesh, walks);
+    for (const Walks& walks : compact_walks) visit(built.compact, walks);
+}
+
 // Returns how many rays hit.
 int check(const Built& built, const std::vector<Ray>& rays) {
     int found = 0;
@@ -71,6 +91,10 @@ int check(const Built& built, const std::vector<Ray>& rays) {
         const WideHit expected = brute_force(built.triangles, ray);
         const bool hit = expected.triangle != NONE;
         found += hit;
+        expect_equal(compact_closest_portable(built.compact, ray), expected, ray);
+        EXPECT_EQ(compact_any_portable(built.compact, ray), hit) << describe(ray);
+        expect_equal(compact_closest(built.compact, ray), wide_closest(built.mesh, ray), ray);
+        EXPECT_EQ(compact_any(built.compact, ray), wide_any(built.mesh, ray)) << describe(ray);
         expect_equal(wide_closest_portable(built.mesh, ray), expected, ray);
         EXPECT_EQ(wide_any_portable(built.mesh, ray), hit) << describe(ray);
         if (same_rounding) expect_equal(wide_closest(built.mesh, ray), expected, ray);
@@ -211,10 +235,10 @@ TEST(MeshWalk, the_interval_is_open) {
     for (const auto& [t_min, t_max, expected] : {std::tuple(0.0f, 3.0f, true), std::tuple(2.0f, 3.0f, false),
                                                  std::tuple(0.0f, 2.0f, false), std::tuple(-5.0f, 1.0f, false)}) {
         const Ray r = ray(vec3(0.1f, 2, 0.3f), vec3(0, -1, 0), t_min, t_max);
-        for (const WideHit& hit : {wide_closest(built.mesh, r), wide_closest_portable(built.mesh, r)})
-            EXPECT_EQ(hit.triangle != NONE, expected);
-        EXPECT_EQ(wide_any(built.mesh, r), expected);
-        EXPECT_EQ(wide_any_portable(built.mesh, r), expected);
+        each_walk(built, [&](const WideMesh& mesh, const Walks& walks) {
+            EXPECT_EQ(walks.closest(mesh, r).triangle != NONE, expected);
+            EXPECT_EQ(walks.any(mesh, r), expected);
+        });
     }
 }
 
@@ -223,8 +247,10 @@ TEST(MeshWalk, rays_that_are_no_numbers_hit_nothing) {
     const Built built(soup(random, 100, 3));
     const float nan = std::nanf("");
     for (const Ray& r : {ray(vec3(nan, 0, 0), vec3(0, 0, 1)), ray(vec3(0), vec3(0, nan, 1)), ray(vec3(0), vec3(0))}) {
-        EXPECT_EQ(wide_closest(built.mesh, r).triangle, NONE);
-        EXPECT_FALSE(wide_any(built.mesh, r));
+        each_walk(built, [&](const WideMesh& mesh, const Walks& walks) {
+            EXPECT_EQ(walks.closest(mesh, r).triangle, NONE);
+            EXPECT_FALSE(walks.any(mesh, r));
+        });
     }
 }
 
@@ -273,14 +299,15 @@ TEST(MeshWalk, a_hit_knows_its_triangle_by_heart) {
     Random random(20);
     const Built built(blades(random, 300));
     for (const Ray& r : rays_towards(random, built.triangles, 500, 8)) {
-        for (const WideHit& hit : {wide_closest(built.mesh, r), wide_closest_portable(built.mesh, r)}) {
+        each_walk(built, [&](const WideMesh& mesh, const Walks& walks) {
+            const WideHit hit = walks.closest(mesh, r);
             ASSERT_EQ(hit.block == nullptr, hit.triangle == NONE);
-            if (hit.triangle == NONE) continue;
+            if (hit.triangle == NONE) return;
             const Triangle& t = built.triangles[hit.triangle];
             const vec3 expected = glm::cross(t.b - t.a, t.c - t.a);
-            EXPECT_LT(glm::length(wide_normal(hit) - expected),
+            EXPECT_LT(glm::length(walks.normal(hit) - expected),
                       1e-6f * glm::length(t.b - t.a) * glm::length(t.c - t.a));
-        }
+        });
     }
 }
 
@@ -295,6 +322,7 @@ TEST(MeshWalk, a_refitted_tree_finds_what_brute_force_finds_where_triangles_are_
             const Built moved(built.triangles, preset);
             built.mesh.lower = moved.mesh.lower;
             built.mesh.upper = moved.mesh.upper;
+            built.compact = moved.compact;
             EXPECT_GT(check(built, rays_towards(random, built.triangles, 1000, 8)), 700) << preset.name;
         }
 }
@@ -329,16 +357,28 @@ TEST(MeshWalk, spatial_splits_name_triangles_twice_and_lower_the_cost) {
 TEST(MeshWalk, the_tree_does_not_depend_on_the_number_of_threads) {
     Random random(17);
     const Triangles list = blades(random, 20000);
-    for (const WidePreset& preset : wide_presets()) {
-        WideBvh first;
-        for (const int threads : {1, 2, 5}) {
-            const ThreadLimit limit(threads);
-            const WideBvh tree = build_wide_mesh(list, preset);
-            if (threads == 1) first = tree;
-            ASSERT_EQ(tree.units.size(), first.units.size());
-            EXPECT_EQ(std::memcmp(tree.units.data(), first.units.data(), tree.units.size() * sizeof(tree.units[0])), 0);
+    for (const auto build : {build_wide_mesh, build_compact_mesh})
+        for (const WidePreset& preset : wide_presets()) {
+            WideBvh first;
+            for (const int threads : {1, 2, 5}) {
+                const ThreadLimit limit(threads);
+                const WideBvh tree = build(list, preset);
+                if (threads == 1) first = tree;
+                ASSERT_EQ(tree.units.size(), first.units.size());
+                EXPECT_EQ(std::memcmp(tree.units.data(), first.units.data(), tree.units.size() * sizeof(tree.units[0])),
+                          0);
+            }
         }
-    }
+}
+
+TEST(MeshWalk, the_compact_layout_takes_less_than_three_fifths_where_triangles_share_vertices) {
+    const Built built(triangles_of(icosphere(5)));
+    EXPECT_LT(built.compact_tree.units.size() * 5, built.tree.units.size() * 3);
+    EXPECT_EQ(built.compact_tree.statistics.triangle_count, built.triangles.size());
+    // Of those that share none, no more than gathered vertices take.
+    Random random(22);
+    const Built apart(soup(random, 5000, 1));
+    EXPECT_LT(apart.compact_tree.units.size(), apart.tree.units.size());
 }
 
 // Rays from inside of a closed mesh, for each counted one alone and eight together: how many get out.
@@ -349,6 +389,8 @@ int leaks(const Built& built, vec3 inside, float radius, int count) {
         const Ray r = ray(inside + random.in_cube(radius), random.awkward_direction());
         escaped += wide_closest(built.mesh, r).triangle == NONE;
         escaped += !wide_any(built.mesh, r);
+        escaped += compact_closest(built.compact, r).triangle == NONE;
+        escaped += !compact_any(built.compact, r);
         Ray rays[packet_size];
         for (Ray& neighbour : rays) neighbour = ray(r.origin, r.direction + random.in_cube(0.01f));
         WideHit hits[packet_size];

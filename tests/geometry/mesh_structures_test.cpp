@@ -365,6 +365,41 @@ TEST_P(MeshStructures, every_triangle_is_stored_once_and_measured) {
     EXPECT_GT(data->statistics.bytes, mesh.triangles.size() * 12);
 }
 
+TEST(MeshPresets, are_of_the_wide_hierarchies_alone) {
+    for (const MeshStructure& structure : mesh_structures()) {
+        SCOPED_TRACE(structure.name);
+        const bool wide = std::string_view(structure.name).starts_with("wide-bvh8");
+        ASSERT_EQ(structure.has_presets, wide);
+        const auto fast = build_mesh(icosphere(2), {structure.name, "", "fast"});
+        ASSERT_EQ(bool(fast), wide);
+        if (!wide) {
+            EXPECT_EQ(fast.error().message, "accelerator '" + std::string(structure.name) +
+                                                "' has no presets, and 'fast' is asked for; those that have: "
+                                                "wide-bvh8, wide-bvh8-compact");
+        }
+        ASSERT_TRUE(find_preset(structure, ""));
+    }
+    const auto wrong = build_mesh(icosphere(2), {"wide-bvh8", "", "faster"});
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().message, "unknown preset 'faster'; available: fast, balanced, high");
+}
+
+// The expected cost tells them apart; on this mesh spatial splits gain something.
+TEST(MeshPresets, are_what_is_built) {
+    for (const char* structure : {"wide-bvh8", "wide-bvh8-compact"}) {
+        const MeshGeometry mesh = together(random_soup(3000, 0.1f), slivers(100));
+        std::vector<double> costs;
+        for (const char* preset : {"fast", "balanced", "high", ""}) {
+            const auto data = build_mesh(mesh, {structure, "", preset});
+            ASSERT_TRUE(data);
+            costs.push_back(data->statistics.sah_cost);
+        }
+        EXPECT_GT(costs[0], costs[1]);
+        EXPECT_GT(costs[1], costs[2]);
+        EXPECT_EQ(costs[2], costs[3]);
+    }
+}
+
 // Inputs whose triangles all lie in the same cells, where every cut of space doubles what is on either side.
 class MeshBudgets : public testing::TestWithParam<std::size_t> {
   protected:

@@ -207,7 +207,7 @@ TEST(TraceRays, coherent_rays_go_together_and_find_what_each_finds_alone) {
 TEST(TraceRays, an_unknown_accelerator_is_named_with_what_there_is) {
     const auto found = find_accelerator("bhv2");
     ASSERT_FALSE(found);
-    EXPECT_NE(found.error().message.find("unknown accelerator 'bhv2'; available: wide-bvh8, bvh2, "),
+    EXPECT_NE(found.error().message.find("unknown accelerator 'bhv2'; available: wide-bvh8, wide-bvh8-compact, bvh2, "),
               std::string::npos);
     EXPECT_NE(found.error().message.find(", brute-force"), std::string::npos);
     for (const Accelerator& accelerator : accelerators())

@@ -15,6 +15,24 @@ MeshGeometry triangle() {
     return mesh;
 }
 
+// A preset goes with the structure that it is said of.
+TEST(Compile, a_preset_is_checked_and_left_with_its_structure) {
+    Scene scene;
+    scene.geometries = {{"bare", triangle()}};
+    scene.materials.push_back({"grey", default_material(kernels::MATERIAL_DIFFUSE)});
+    scene.objects.emplace_back().geometry = 0;
+    scene.objects[0].materials = {0};
+    scene.cameras.push_back({});
+    scene.accelerator.preset = "fast";
+    EXPECT_TRUE(compile(scene));
+    EXPECT_TRUE(compile(scene, {.accelerator = {"kd-tree", ""}}));
+    const auto wrong = compile(scene, {.accelerator = {"kd-tree", "", "fast"}});
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().message.find("'kd-tree' has no presets"), std::string::npos) << wrong.error().message;
+    scene.accelerator.structure = "kd-tree";
+    ASSERT_FALSE(compile(scene));
+}
+
 TEST(Compile, a_mesh_takes_room_for_the_attributes_that_it_has_only) {
     Scene scene;
     MeshGeometry bare = triangle(), textured = triangle(), painted = triangle();

@@ -16,14 +16,14 @@ std::string number(double x, const char* unknown = "-") { return x < 0 ? unknown
 std::string table_text(const BenchReport& report) {
     std::string text =
         fmt::format("{}: one thread, median of {}, processor time\n", report.input, report.repeats) +
-        fmt::format("{:<8} {:<18} {:<8} {:>8} {:>9} {:>9} {:>6} {:>6} {:>6} {:>9} {:>9} {:>7} {:>5} {:>8}\n", "subject",
+        fmt::format("{:<8} {:<26} {:<8} {:>8} {:>9} {:>9} {:>6} {:>6} {:>6} {:>9} {:>9} {:>7} {:>5} {:>8}\n", "subject",
                     "structure", "rays", "Mrays/s", "build ms", "2 threads", "nodes", "boxes", "tests", "MB", "B/tri",
                     "cost", "depth", "differ");
     for (const BenchRow& row : report.rows) {
         const std::string name = row.preset.empty() ? row.structure : row.structure + " " + row.preset;
         const bool meshes = row.subject == "meshes" && report.triangles > 0;
         text += fmt::format(
-            "{:<8} {:<18} {:<8} {:>8.3f} {:>9.2f} {:>9} {:>6} {:>6} {:>6} {:>9.3f} {:>9} {:>7} {:>5} {:>8}\n",
+            "{:<8} {:<26} {:<8} {:>8.3f} {:>9.2f} {:>9} {:>6} {:>6} {:>6} {:>9.3f} {:>9} {:>7} {:>5} {:>8}\n",
             row.subject, name, row.rays, row.mrays_per_s, row.build_ms,
             row.build_ms_two_threads > 0 ? fmt::format("{:.2f}", row.build_ms_two_threads) : "-",
             number(row.nodes_per_ray), number(row.boxes_per_ray), number(row.tests_per_ray), 1e-6 * row.bytes,

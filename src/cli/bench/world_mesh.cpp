@@ -48,6 +48,28 @@ Hit as_hit(const WideHit& found) {
 
 }  // namespace
 
+namespace {
+
+BenchStructure compact_structure(const WorldMesh& mesh, const WidePreset& preset) {
+    const double start = processor_seconds();
+    const auto tree = std::make_shared<const WideBvh>(build_compact_mesh(mesh.triangles, preset));
+    BenchStructure s;
+    s.name = "wide-bvh8-compact-" + std::string(preset.name);
+    s.build_ms = 1e3 * (processor_seconds() - start);
+    s.bytes = double(tree->units.size() * sizeof(kernels::WideUnit));
+    const WideMesh compact{tree->units.data(), mesh.lower, mesh.upper};
+    s.closest = [tree, compact](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = as_hit(compact_closest(compact, rays[i]));
+    };
+    s.any = [tree, compact](std::span<const Ray> rays, Hit* hits) {
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            hits[i].instance = compact_any(compact, rays[i]) ? 0 : kernels::NONE;
+    };
+    return s;
+}
+
+}  // namespace
+
 std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
     std::vector<BenchStructure> list;
     if (mesh.triangles.empty()) return list;
@@ -68,6 +90,7 @@ std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
                 hits[i].instance = wide_any(wide, rays[i]) ? 0 : kernels::NONE;
         };
         list.push_back(s);
+        list.push_back(compact_structure(mesh, preset));
         if (&preset != &default_wide_preset()) continue;
         s.name += "-8";
         s.closest = [tree, wide](std::span<const Ray> rays, Hit* hits) {

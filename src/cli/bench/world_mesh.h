@@ -19,7 +19,7 @@ struct WorldMesh {
 // No triangles if anything of the scene is no mesh: rays would see something else than the scene's do.
 WorldMesh world_mesh(const Scene& scene);
 
-// The wide hierarchy by each of its presets, one ray at a time, and by the default one eight together. The mesh must
+// The wide hierarchy and its compact layout by each preset, one ray at a time, and by the default one eight together. The mesh must
 // outlive what is returned.
 std::vector<BenchStructure> wide_structures(const WorldMesh& mesh);
 

@@ -160,18 +160,8 @@ SPINEL_INLINE unsigned rays_in_box(const float* node, int i, const Packet& p, __
     return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
 }
 
-SPINEL_INLINE __m256 difference_of_products(__m256 a, __m256 b, __m256 c, __m256 d) {
-    const __m256 cd = _mm256_mul_ps(c, d);
-    return _mm256_add_ps(_mm256_fmsub_ps(a, b, cd), _mm256_fnmadd_ps(c, d, cd));
-}
-
-struct PairHits {
-    unsigned lanes;  // the first ray's four triangles, then the second's
-    __m256 t, u, v;
-};
-
-// wide::hit_triangles() for two rays.
-SPINEL_INLINE PairHits hit_triangles(const float* block, const Packet& p, const Packet::Pair& s, __m256 t_max) {
+// wide::hit_triangles() for two rays: the first one's four triangles, then the second's.
+SPINEL_INLINE LaneHits hit_triangles(const float* block, const Packet& p, const Packet::Pair& s, __m256 t_max) {
     const auto row = [](const float* at) __attribute__((always_inline)) {
         return _mm256_broadcast_ps(reinterpret_cast<const __m128*>(at));
     };
@@ -185,27 +175,10 @@ SPINEL_INLINE PairHits hit_triangles(const float* block, const Packet& p, const 
     const __m256 ay = _mm256_fmadd_ps(s.shear_y, az, _mm256_sub_ps(row(py), s.origin_y));
     const __m256 by = _mm256_fmadd_ps(s.shear_y, bz, _mm256_sub_ps(row(py + 12), s.origin_y));
     const __m256 cy = _mm256_fmadd_ps(s.shear_y, cz, _mm256_sub_ps(row(py + 24), s.origin_y));
-    const __m256 u = difference_of_products(cx, by, cy, bx);
-    const __m256 v = difference_of_products(ax, cy, ay, cx);
-    const __m256 w = difference_of_products(bx, ay, by, ax);
-    const __m256 zero = _mm256_setzero_ps();
-    const __m256 low = _mm256_min_ps(_mm256_min_ps(u, v), w), high = _mm256_max_ps(_mm256_max_ps(u, v), w);
-    const __m256 outside = _mm256_and_ps(_mm256_cmp_ps(low, zero, _CMP_LT_OQ), _mm256_cmp_ps(high, zero, _CMP_GT_OQ));
-    PairHits hits;
-    hits.lanes = 0;
-    if (lanes_of(outside) == 255) return hits;
-    const __m256 determinant = _mm256_add_ps(_mm256_add_ps(u, v), w);
-    const __m256 inverse = _mm256_div_ps(_mm256_set1_ps(1), determinant);
-    const __m256 sum = _mm256_fmadd_ps(
-        u, _mm256_mul_ps(s.shear_z, az),
-        _mm256_fmadd_ps(v, _mm256_mul_ps(s.shear_z, bz), _mm256_mul_ps(w, _mm256_mul_ps(s.shear_z, cz))));
-    hits.t = _mm256_mul_ps(sum, inverse);
-    hits.u = _mm256_mul_ps(v, inverse);
-    hits.v = _mm256_mul_ps(w, inverse);
-    const __m256 within =
-        _mm256_and_ps(_mm256_cmp_ps(hits.t, s.t_min, _CMP_GT_OQ), _mm256_cmp_ps(hits.t, t_max, _CMP_LE_OQ));
-    hits.lanes = lanes_of(_mm256_andnot_ps(outside, within));
-    return hits;
+    const auto heights = [&]() __attribute__((always_inline)) {
+        return Heights{_mm256_mul_ps(s.shear_z, az), _mm256_mul_ps(s.shear_z, bz), _mm256_mul_ps(s.shear_z, cz)};
+    };
+    return hit_lanes(ax, ay, bx, by, cx, cy, 255, heights, s.t_min, t_max);
 }
 
 // The nearest hits so far.
@@ -226,7 +199,7 @@ SPINEL_INLINE unsigned test_block(const float* block, const Packet& p, unsigned 
         const unsigned both = lanes >> (2 * pair) & 3;
         if (!both) continue;
         const __m256 t_max = pair_of(best.t, pair);
-        const PairHits hits = hit_triangles(block, p, p.pairs[pair], t_max);
+        const LaneHits hits = hit_triangles(block, p, p.pairs[pair], t_max);
         unsigned rest = hits.lanes & (both & 1 ? 0x0f : 0) & 0xff;
         rest |= hits.lanes & (both & 2 ? 0xf0 : 0);
         if (!rest) continue;
@@ -265,8 +238,7 @@ struct Entry {
 template <bool any>
 SPINEL_INLINE bool walk_alone(const WideMesh& mesh, const Ray& ray, std::uint32_t reference, int i, Nearest& best) {
     Best one = {best.t[i], best.u[i], best.v[i], best.triangle[i], false};
-    const bool found =
-        walk<any>(mesh.units, make_slabs(mesh, ray), make_shear(ray), _mm_set1_ps(ray.t_min), reference, one);
+    const bool found = walk<Gathered, any>(mesh.units, make_slabs(mesh, ray), make_shear(ray), reference, one);
     if (!found) return false;
     best.t[i] = one.t;
     best.u[i] = one.u;

@@ -34,9 +34,60 @@ kernels::Triangle triangle_of(const float* block, int lane) {
     return {vertex(0), vertex(1), vertex(2)};
 }
 
+// How nodes and leaves are stored: as WideUnit tells …
+struct Gathered {
+    static const float* at(const WideMesh& mesh, std::uint32_t place) { return mesh.units[place].lanes; }
+    static std::uint32_t reference(const float* node, int child) { return bits(node[48 + child]); }
+    static bool box(const float* node, int child, glm::vec3& lower, glm::vec3& upper) {
+        for (int a = 0; a < 3; ++a) {
+            lower[a] = node[16 * a + child];
+            upper[a] = node[16 * a + 8 + child];
+        }
+        return lower.x <= upper.x;
+    }
+    static int triangle_count(const float*) { return 4; }
+    static kernels::Triangle triangle(const float* block, int lane) { return triangle_of(block, lane); }
+    static std::uint32_t index(const float* block, int lane) { return bits(block[36 + lane]); }
+    static const float* next(const float* block) { return block + 8 * kernels::WIDE_BLOCK_UNITS; }
+};
+
+// … and as kernels/mesh_compact.h does.
+struct Compact {
+    static const float* at(const WideMesh& mesh, std::uint32_t place) {
+        return mesh.units->lanes + std::size_t(place) * kernels::COMPACT_STEP;
+    }
+    static std::uint32_t reference(const float* node, int child) { return bits(node[16 + child]); }
+    static bool box(const float* node, int child, glm::vec3& lower, glm::vec3& upper) {
+        const std::uint32_t packed = bits(node[3]);
+        const auto* const bytes = reinterpret_cast<const unsigned char*>(node + 4);
+        for (int a = 0; a < 3; ++a) {
+            const float step = std::bit_cast<float>(kernels::byte_of(packed, std::uint32_t(a)) << 23);
+            lower[a] = kernels::multiply_add(float(bytes[16 * a + child]), step, node[a]);
+            upper[a] = kernels::multiply_add(float(bytes[16 * a + 8 + child]), step, node[a]);
+        }
+        return kernels::byte_of(packed, 3) >> child & 1;
+    }
+    static std::uint32_t triangles(const float* block) { return kernels::byte_of(bits(block[0]), 0); }
+    static std::uint32_t vertices(const float* block) { return kernels::byte_of(bits(block[0]), 1); }
+    static int triangle_count(const float* block) { return int(triangles(block)); }
+    static kernels::Triangle triangle(const float* block, int lane) {
+        const std::uint32_t corners = bits(block[1 + lane / 2]) >> (lane % 2 * 16), count = vertices(block);
+        const auto vertex = [&](int corner) {
+            const float* const x = block + kernels::compact_rows(triangles(block)) + (corners >> (3 * corner) & 7u);
+            return glm::vec3(x[0], x[count], x[2 * count]);
+        };
+        return {vertex(0), vertex(1), vertex(2)};
+    }
+    static const float* indices(const float* block) {
+        return block + kernels::compact_indices(triangles(block), vertices(block));
+    }
+    static std::uint32_t index(const float* block, int lane) { return bits(indices(block)[lane]); }
+    static const float* next(const float* block) { return indices(block) + triangles(block); }
+};
+
 // Calls visit(block, lane) for the triangles of all leaves that the ray meets, nearer
 // ones sooner, while it is told to go on; `t_max` is read anew each time.
-template <class Visit>
+template <class Layout, class Visit>
 void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit& visit) {
     const glm::vec3 inverse = kernels::wide_inverse(ray.direction);
     const float padding = kernels::slab_padding(mesh.lower, mesh.upper, ray.origin);
@@ -46,67 +97,78 @@ void walk(const WideMesh& mesh, const Ray& ray, const float& t_max, const Visit&
     while (size > 0) {
         const Entry entry = stack[--size];
         if (!(entry.enter <= t_max)) continue;
-        const kernels::WideUnit* const unit = mesh.units + (entry.reference & kernels::WIDE_UNIT_MASK);
-        if (const std::uint32_t blocks = entry.reference >> 28; blocks > 0) {
-            for (std::uint32_t b = 0; b < blocks; ++b) {
-                const float* const block = unit[b * kernels::WIDE_BLOCK_UNITS].lanes;
-                for (int lane = 0; lane < 4; ++lane)
-                    if (!visit(block, lane)) return;
-            }
+        const float* at = Layout::at(mesh, entry.reference & kernels::WIDE_UNIT_MASK);
+        if (std::uint32_t blocks = entry.reference >> 28; blocks > 0) {
+            for (; blocks > 0; --blocks, at = Layout::next(at))
+                for (int lane = 0; lane < Layout::triangle_count(at); ++lane)
+                    if (!visit(at, lane)) return;
             continue;
         }
         const int first = size;
         for (int i = 0; i < 8; ++i) {
+            glm::vec3 lower, upper;
+            if (!Layout::box(at, i, lower, upper)) continue;
             float enter = ray.t_min, leave = t_max;
             for (int a = 0; a < 3; ++a) {
-                const float t0 = (unit[2 * a].lanes[i] - padding - ray.origin[a]) * inverse[a];
-                const float t1 = (unit[2 * a + 1].lanes[i] + padding - ray.origin[a]) * inverse[a];
+                const float t0 = (lower[a] - padding - ray.origin[a]) * inverse[a];
+                const float t1 = (upper[a] + padding - ray.origin[a]) * inverse[a];
                 enter = std::max(enter, std::min(t0, t1));
                 leave = std::min(leave, std::max(t0, t1));
             }
-            if (!(enter <= leave) || !(unit[0].lanes[i] <= unit[1].lanes[i])) continue;
-            int at = size++;
-            for (; at > first && stack[at - 1].enter < enter; --at) stack[at] = stack[at - 1];
-            stack[at] = {bits(unit[6].lanes[i]), enter};
+            if (!(enter <= leave)) continue;
+            int place = size++;
+            for (; place > first && stack[place - 1].enter < enter; --place) stack[place] = stack[place - 1];
+            stack[place] = {Layout::reference(at, i), enter};
         }
     }
 }
 
-}  // namespace
-
-glm::vec3 wide_normal(const WideHit& hit) {
-    const kernels::Triangle triangle = triangle_of(hit.block, hit.lane);
-    return glm::cross(triangle.b - triangle.a, triangle.c - triangle.a);
-}
-
-WideHit wide_closest_portable(const WideMesh& mesh, const Ray& ray) {
+template <class Layout>
+WideHit closest_portable(const WideMesh& mesh, const Ray& ray) {
     const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
     kernels::TriangleHit best(ray.t_max, 0, 0);
     const float* nearest_block = nullptr;
     int nearest_lane = 0;
-    walk(mesh, ray, best.t, [&](const float* block, int lane) {
-        const bool before = nearest_block && bits(block[36 + lane]) < bits(nearest_block[36 + nearest_lane]);
+    walk<Layout>(mesh, ray, best.t, [&](const float* block, int lane) {
+        const bool before = nearest_block && Layout::index(block, lane) < Layout::index(nearest_block, nearest_lane);
         const float limit = before ? kernels::next_above(best.t) : best.t;
-        if (kernels::triangle_watertight(sheared, triangle_of(block, lane), ray.t_min, limit, best)) {
+        if (kernels::triangle_watertight(sheared, Layout::triangle(block, lane), ray.t_min, limit, best)) {
             nearest_block = block;
             nearest_lane = lane;
         }
         return true;
     });
     if (!nearest_block) return {ray.t_max, 0, 0, NONE};
-    return {best.t, best.u, best.v, bits(nearest_block[36 + nearest_lane]), nearest_block, nearest_lane};
+    return {best.t, best.u, best.v, Layout::index(nearest_block, nearest_lane), nearest_block, nearest_lane};
 }
 
-bool wide_any_portable(const WideMesh& mesh, const Ray& ray) {
+template <class Layout>
+bool any_portable(const WideMesh& mesh, const Ray& ray) {
     const kernels::TriangleRay sheared = kernels::triangle_ray(ray);
     kernels::TriangleHit unread(0, 0, 0);
     bool found = false;
-    walk(mesh, ray, ray.t_max, [&](const float* block, int lane) {
-        found = kernels::triangle_watertight(sheared, triangle_of(block, lane), ray.t_min, ray.t_max, unread);
+    walk<Layout>(mesh, ray, ray.t_max, [&](const float* block, int lane) {
+        found = kernels::triangle_watertight(sheared, Layout::triangle(block, lane), ray.t_min, ray.t_max, unread);
         return !found;
     });
     return found;
 }
+
+template <class Layout>
+glm::vec3 normal_of(const WideHit& hit) {
+    const kernels::Triangle triangle = Layout::triangle(hit.block, hit.lane);
+    return glm::cross(triangle.b - triangle.a, triangle.c - triangle.a);
+}
+
+}  // namespace
+
+glm::vec3 wide_normal(const WideHit& hit) { return normal_of<Gathered>(hit); }
+glm::vec3 compact_normal(const WideHit& hit) { return normal_of<Compact>(hit); }
+
+WideHit wide_closest_portable(const WideMesh& mesh, const Ray& ray) { return closest_portable<Gathered>(mesh, ray); }
+bool wide_any_portable(const WideMesh& mesh, const Ray& ray) { return any_portable<Gathered>(mesh, ray); }
+WideHit compact_closest_portable(const WideMesh& mesh, const Ray& ray) { return closest_portable<Compact>(mesh, ray); }
+bool compact_any_portable(const WideMesh& mesh, const Ray& ray) { return any_portable<Compact>(mesh, ray); }
 
 namespace {
 
@@ -132,6 +194,8 @@ unsigned any_one_by_one(const WideMesh& mesh, const Ray* rays, unsigned lanes) {
 
 WideHit wide_closest_avx2(const WideMesh& mesh, const Ray& ray);  // mesh_walk_avx2.cpp
 bool wide_any_avx2(const WideMesh& mesh, const Ray& ray);
+WideHit compact_closest_avx2(const WideMesh& mesh, const Ray& ray);
+bool compact_any_avx2(const WideMesh& mesh, const Ray& ray);
 void wide_closest8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits);  // mesh_packet_avx2.cpp
 unsigned wide_any8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes);
 
@@ -140,6 +204,12 @@ WideHit wide_closest(const WideMesh& mesh, const Ray& ray) {
 }
 bool wide_any(const WideMesh& mesh, const Ray& ray) {
     return has_avx2() ? wide_any_avx2(mesh, ray) : wide_any_portable(mesh, ray);
+}
+WideHit compact_closest(const WideMesh& mesh, const Ray& ray) {
+    return has_avx2() ? compact_closest_avx2(mesh, ray) : compact_closest_portable(mesh, ray);
+}
+bool compact_any(const WideMesh& mesh, const Ray& ray) {
+    return has_avx2() ? compact_any_avx2(mesh, ray) : compact_any_portable(mesh, ray);
 }
 
 void wide_closest8(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits) {
@@ -158,6 +228,8 @@ bool has_packets() { return has_avx2(); }
 
 WideHit wide_closest(const WideMesh& mesh, const Ray& ray) { return wide_closest_portable(mesh, ray); }
 bool wide_any(const WideMesh& mesh, const Ray& ray) { return wide_any_portable(mesh, ray); }
+WideHit compact_closest(const WideMesh& mesh, const Ray& ray) { return compact_closest_portable(mesh, ray); }
+bool compact_any(const WideMesh& mesh, const Ray& ray) { return compact_any_portable(mesh, ray); }
 
 void wide_closest8(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits) {
     closest_one_by_one(mesh, rays, lanes, hits);
@@ -203,8 +275,12 @@ unsigned cpu_mesh_any8(const kernels::SceneView& scene, kernels::uint mesh, cons
 spinel::kernels::WideNearest spinel::kernels::device_mesh_wide(const SceneView& scene, uint mesh, Ray ray, bool any) {
     const WideMesh wide = wide_mesh_of(scene, mesh);
     const uint first = scene.meshes.at[mesh].triangle_first;
-    if (any) return {{TriangleHit(ray.t_max, 0, 0), wide_any(wide, ray) ? first : NONE}, vec3(0)};
-    const WideHit hit = wide_closest(wide, ray);
+    const bool compact = scene.meshes.at[mesh].walk == MESH_WALK_COMPACT;
+    if (any) {
+        const bool found = compact ? compact_any(wide, ray) : wide_any(wide, ray);
+        return {{TriangleHit(ray.t_max, 0, 0), found ? first : NONE}, vec3(0)};
+    }
+    const WideHit hit = compact ? compact_closest(wide, ray) : wide_closest(wide, ray);
     if (hit.triangle == NONE) return {{TriangleHit(hit.t, hit.u, hit.v), NONE}, vec3(0)};
-    return {{TriangleHit(hit.t, hit.u, hit.v), first + hit.triangle}, wide_normal(hit)};
+    return {{TriangleHit(hit.t, hit.u, hit.v), first + hit.triangle}, compact ? compact_normal(hit) : wide_normal(hit)};
 }

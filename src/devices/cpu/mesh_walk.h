@@ -18,7 +18,7 @@ struct WideHit {
     float t;                 // the ray's t_max if there is none
     float u, v;              // weights of vertices 1 and 2
     std::uint32_t triangle;  // NONE: nothing in (t_min, t_max)
-    // Where it stands, in rows (kernels::WideUnit); null if there is none.
+    // Where it stands; null if there is none.
     const float* block = nullptr;
     int lane = 0;
 };
@@ -35,9 +35,16 @@ void wide_closest8(const WideMesh& mesh, const kernels::Ray rays[packet_size], u
                    WideHit hits[packet_size]);
 unsigned wide_any8(const WideMesh& mesh, const kernels::Ray rays[packet_size], unsigned lanes);
 
+// Of hierarchies in the compact layout (accel/compact_bvh.h).
+WideHit compact_closest(const WideMesh& mesh, const kernels::Ray& ray);
+bool compact_any(const WideMesh& mesh, const kernels::Ray& ray);
+glm::vec3 compact_normal(const WideHit& hit);
+
 // The same for machines without AVX2, which the others are on them.
 WideHit wide_closest_portable(const WideMesh& mesh, const kernels::Ray& ray);
 bool wide_any_portable(const WideMesh& mesh, const kernels::Ray& ray);
+WideHit compact_closest_portable(const WideMesh& mesh, const kernels::Ray& ray);
+bool compact_any_portable(const WideMesh& mesh, const kernels::Ray& ray);
 
 // Whether a mesh of a scene has more from packets than from one ray after the other.
 bool walks_in_packets(const kernels::Mesh& mesh);

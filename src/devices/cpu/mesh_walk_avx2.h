@@ -137,6 +137,49 @@ SPINEL_INLINE BlockHits hit_triangles(const float* block, const Shear& s, __m128
     return hits;
 }
 
+// The same for eight triangles that are sheared already; a lane without a bit in `asked` holds anything. `heights`
+// tells z of the corners a, b and c, and is asked only if any triangle is in the way.
+SPINEL_INLINE __m256 difference_of_products(__m256 a, __m256 b, __m256 c, __m256 d) {
+    const __m256 cd = _mm256_mul_ps(c, d);
+    return _mm256_add_ps(_mm256_fmsub_ps(a, b, cd), _mm256_fnmadd_ps(c, d, cd));
+}
+
+struct LaneHits {
+    unsigned lanes;
+    __m256 t, u, v;
+};
+
+struct Heights {
+    __m256 a, b, c;
+};
+
+template <class GetHeights>
+SPINEL_INLINE LaneHits hit_lanes(__m256 ax, __m256 ay, __m256 bx, __m256 by, __m256 cx, __m256 cy, unsigned asked,
+                                 const GetHeights& heights, __m256 t_min, __m256 t_max) {
+    const __m256 u = difference_of_products(cx, by, cy, bx);
+    const __m256 v = difference_of_products(ax, cy, ay, cx);
+    const __m256 w = difference_of_products(bx, ay, by, ax);
+    const __m256 zero = _mm256_setzero_ps();
+    const __m256 least = _mm256_min_ps(_mm256_min_ps(u, v), w), greatest = _mm256_max_ps(_mm256_max_ps(u, v), w);
+    const __m256 outside =
+        _mm256_and_ps(_mm256_cmp_ps(least, zero, _CMP_LT_OQ), _mm256_cmp_ps(greatest, zero, _CMP_GT_OQ));
+    LaneHits hits;
+    hits.lanes = 0;
+    if (!(~unsigned(_mm256_movemask_ps(outside)) & asked)) [[likely]]
+        return hits;
+    const Heights z = heights();
+    const __m256 determinant = _mm256_add_ps(_mm256_add_ps(u, v), w);
+    const __m256 inverse = _mm256_div_ps(_mm256_set1_ps(1), determinant);
+    const __m256 sum = _mm256_fmadd_ps(u, z.a, _mm256_fmadd_ps(v, z.b, _mm256_mul_ps(w, z.c)));
+    hits.t = _mm256_mul_ps(sum, inverse);
+    hits.u = _mm256_mul_ps(v, inverse);
+    hits.v = _mm256_mul_ps(w, inverse);
+    const __m256 within =
+        _mm256_and_ps(_mm256_cmp_ps(hits.t, t_min, _CMP_GT_OQ), _mm256_cmp_ps(hits.t, t_max, _CMP_LE_OQ));
+    hits.lanes = unsigned(_mm256_movemask_ps(_mm256_andnot_ps(outside, within))) & asked;
+    return hits;
+}
+
 // The nearest hit so far. `triangle` is 0 as long as there is none: at t_max itself nothing is nearer then.
 struct Best {
     float t, u, v;
@@ -185,34 +228,67 @@ SPINEL_INLINE void order(std::int64_t& a, std::int64_t& b) {
     b = x < y ? x : y;
 }
 
+// How nodes and leaves are stored: here as WideUnit tells.
+struct Gathered {
+    using Shear = wide::Shear;
+
+    static SPINEL_INLINE Shear make_shear(const Ray& ray) { return wide::make_shear(ray); }
+    static SPINEL_INLINE const float* at(const kernels::WideUnit* units, std::uint32_t place) {
+        return units[place].lanes;
+    }
+    static SPINEL_INLINE const std::uint32_t* references_of(const float* node) { return wide::references_of(node); }
+    static SPINEL_INLINE unsigned hit_boxes(const float* node, const Slabs& s, __m256 t_max, __m256& enter) {
+        return wide::hit_boxes(node, s, t_max, enter);
+    }
+    static SPINEL_INLINE void prefetch(const kernels::WideUnit* units, std::uint32_t reference) {
+        wide::prefetch(units, reference);
+    }
+    // True if there is a nearer hit, or any.
+    template <bool any>
+    static SPINEL_INLINE bool test_leaf(const float* block, std::uint32_t blocks, const Shear& shear, __m256 t_min,
+                                        __m256 t_max, Best& best) {
+        bool nearer = false;
+        do {
+            if constexpr (any) {
+                if (any_in_block(block, shear, _mm256_castps256_ps128(t_min), _mm256_castps256_ps128(t_max)))
+                    return true;
+            } else {
+                nearer |= closest_in_block(block, shear, _mm256_castps256_ps128(t_min), best);
+            }
+            block += 8 * kernels::WIDE_BLOCK_UNITS;
+        } while (--blocks);
+        return nearer;
+    }
+};
+
 // What is nearest below a node or leaf, or, if any hit will do, whether there is one.
-template <bool any>
-SPINEL_INLINE bool walk(const kernels::WideUnit* units, const Slabs& slabs, const Shear& shear, __m128 t_min,
+template <class Layout, bool any>
+SPINEL_INLINE bool walk(const kernels::WideUnit* units, const Slabs& slabs, const typename Layout::Shear& shear,
                         std::uint32_t reference, Best& best) {
     __m256 t_max = _mm256_set1_ps(best.t);
     std::int64_t stack[kernels::WIDE_STACK_SIZE];
     std::int64_t* top = stack;
     for (;;) {
         while (reference <= unit_mask) {
-            const float* const node = units[reference].lanes;
-            const std::uint32_t* const references = references_of(node);
+            const float* const node = Layout::at(units, reference);
+            const std::uint32_t* const references = Layout::references_of(node);
             __m256 enter;
-            unsigned hit = hit_boxes(node, slabs, t_max, enter);
+            unsigned hit = Layout::hit_boxes(node, slabs, t_max, enter);
             if (!hit) goto pop;
             const int only = std::countr_zero(hit);
             if constexpr (any) {
                 // The most promising children stand first (accel/wide_bvh.cpp).
                 reference = references[only];
-                prefetch(units, reference);
+                Layout::prefetch(units, reference);
                 for (hit &= hit - 1; hit; hit &= hit - 1) {
                     *top = references[std::countr_zero(hit)];
-                    prefetch(units, std::uint32_t(*top++));
+                    Layout::prefetch(units, std::uint32_t(*top++));
                 }
                 continue;
             }
             if (!(hit & (hit - 1))) {
                 reference = references[only];
-                prefetch(units, reference);
+                Layout::prefetch(units, reference);
                 continue;
             }
             alignas(32) float enters[8];
@@ -220,7 +296,7 @@ SPINEL_INLINE bool walk(const kernels::WideUnit* units, const Slabs& slabs, cons
             const auto next = [&]() __attribute__((always_inline)) {
                 const int i = std::countr_zero(hit);
                 hit &= hit - 1;
-                prefetch(units, references[i]);
+                Layout::prefetch(units, references[i]);
                 return entry(enters[i], references[i]);
             };
             std::int64_t e0 = next(), e1 = next();
@@ -259,17 +335,10 @@ SPINEL_INLINE bool walk(const kernels::WideUnit* units, const Slabs& slabs, cons
             reference = std::uint32_t(e3);
         }
         {
-            const float* block = units[reference & unit_mask].lanes;
-            std::uint32_t rest = reference >> reference_bits;
-            bool nearer = false;
-            do {
-                if constexpr (any) {
-                    if (any_in_block(block, shear, t_min, _mm256_castps256_ps128(t_max))) return true;
-                } else {
-                    nearer |= closest_in_block(block, shear, t_min, best);
-                }
-                block += 8 * kernels::WIDE_BLOCK_UNITS;
-            } while (--rest);
+            const float* const block = Layout::at(units, reference & unit_mask);
+            const bool nearer =
+                Layout::template test_leaf<any>(block, reference >> reference_bits, shear, slabs.t_min, t_max, best);
+            if (any && nearer) return true;
             if (nearer) t_max = _mm256_set1_ps(best.t);
         }
     pop:

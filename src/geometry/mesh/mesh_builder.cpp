@@ -28,7 +28,8 @@ void add_test_data(const MeshGeometry& mesh, MeshData& data) {
         data.positions_needed = true;
         bytes = size(mesh.positions) + data.triangles.size() * sizeof(uvec3);
     }
-    const bool in_blocks = data.walk == kernels::MESH_WALK_WIDE && data.triangle_test == kernels::TRIANGLE_WATERTIGHT;
+    const bool in_blocks = (data.walk == kernels::MESH_WALK_WIDE || data.walk == kernels::MESH_WALK_COMPACT) &&
+                           data.triangle_test == kernels::TRIANGLE_WATERTIGHT;
     if (in_blocks) bytes = 0;  // vertices stand in the hierarchy
     const MeshArrays& s = data.structure;
     data.statistics.bytes = bytes + size(s.nodes) + size(s.kd_nodes) + size(s.sphere_nodes) + size(s.grids) +
@@ -78,6 +79,8 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings&
     if (!structure) return structure.error();
     const Result<const TriangleTest*> test = find_triangle_test(accelerator.triangle_test);
     if (!test) return test.error();
+    const Result<const WidePreset*> preset = find_preset(**structure, accelerator.preset);
+    if (!preset) return preset.error();
     MeshData data;
     data.walk = (*structure)->walk;
     data.triangle_test = (*test)->test;
@@ -111,7 +114,7 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings&
     }
 
     const auto start = std::chrono::steady_clock::now();
-    if (auto built = (*structure)->build({triangles, boxes}, data.structure, data.statistics); !built)
+    if (auto built = (*structure)->build({triangles, boxes, *preset}, data.structure, data.statistics); !built)
         return built.error();
     data.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 

@@ -36,7 +36,7 @@ kernels::UnitTriangle unit_triangle(const kernels::Triangle& t);
 // vertex, slots empty or one a triangle.
 Result<void> validate_mesh(const MeshGeometry& mesh);
 
-// Validates first. Names of mesh_structures() and triangle_tests(); empty ones mean the first.
+// Validates first. Names of mesh_structures(), triangle_tests() and wide_presets(); empty ones mean the default.
 Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator = {});
 
 // Appends a mesh, its attributes included, to pools that are named as those of a CompiledScene.

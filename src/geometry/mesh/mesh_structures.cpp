@@ -105,13 +105,15 @@ Result<void> build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatist
     return {};
 }
 
+template <WideBvh (*build)(std::span<const kernels::Triangle>, const WidePreset&)>
 Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
-    WideBvh tree = build_wide_mesh(input.triangles);
-    if (auto r = check_index("wide BVH", tree.units.size(), std::size_t(1) << 28); !r) return r;
+    WideBvh tree = build(input.triangles, *input.preset);
+    // Both layouts are addressed in steps of half a unit at least.
+    if (auto r = check_index("wide BVH", tree.units.size(), std::size_t(1) << 27); !r) return r;
     arrays.wide_units = std::move(tree.units);
     arrays.order.resize(input.triangles.size());
     std::iota(arrays.order.begin(), arrays.order.end(), 0u);
-    statistics.sah_cost = tree.statistics.sah_cost * 4;  // blocks of four triangles
+    statistics.sah_cost = tree.statistics.sah_cost * 4;  // a block costs as much as four triangles
     statistics.depth = tree.statistics.depth;
     statistics.leaf_count = tree.statistics.block_count;
     return {};
@@ -119,7 +121,9 @@ Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatisti
 
 constexpr MeshStructure structures[] = {
     {"wide-bvh8", "BVH of eight children, spatial splits where boxes overlap much; AVX2 on CPUs",
-     kernels::MESH_WALK_WIDE, build_wide},
+     kernels::MESH_WALK_WIDE, build_wide<build_wide_mesh>, true},
+    {"wide-bvh8-compact", "the same in half the memory: boxes in bytes, vertices shared within leaves; AVX2 on CPUs",
+     kernels::MESH_WALK_COMPACT, build_wide<build_compact_mesh>, true},
     {"bvh2", "binary BVH by binned surface area heuristic, stack walk", kernels::MESH_WALK_BVH2,
      build_bvh2<BvhMethod::binned>},
     {"bvh2-sweep", "binary BVH by surface area heuristic at every plane", kernels::MESH_WALK_BVH2,
@@ -168,6 +172,17 @@ Result<const MeshStructure*> find_mesh_structure(std::string_view name) {
 }
 Result<const TriangleTest*> find_triangle_test(std::string_view name) {
     return find<TriangleTest>(tests, name, "triangle test");
+}
+
+Result<const WidePreset*> find_preset(const MeshStructure& structure, std::string_view name) {
+    if (structure.has_presets)
+        return name.empty() ? &default_wide_preset() : find<WidePreset>(wide_presets(), name, "preset");
+    if (name.empty()) return nullptr;
+    std::string available;
+    for (const MeshStructure& row : structures)
+        if (row.has_presets) available += (available.empty() ? "" : ", ") + std::string(row.name);
+    return Error{"accelerator '" + std::string(structure.name) + "' has no presets, and '" + std::string(name) +
+                 "' is asked for; those that have: " + available};
 }
 
 }  // namespace spinel

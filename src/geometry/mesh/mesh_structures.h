@@ -17,10 +17,13 @@
 
 namespace spinel {
 
+struct WidePreset;
+
 // Triangles with an area, and their bounds.
 struct MeshInput {
     std::span<const kernels::Triangle> triangles;
     std::span<const Box> boxes;
+    const WidePreset* preset;  // null for structures that have none
 };
 
 // What a walk reads besides the triangles; every array but those of the structure's own walk stays empty.
@@ -48,6 +51,7 @@ struct MeshStructure {
     kernels::uint walk;  // MESH_WALK_…
     // Fails where there is more than the indices of nodes can tell apart.
     Result<void> (*build)(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics);
+    bool has_presets = false;  // those of wide_mesh.h
 };
 
 // The first is the default.
@@ -65,5 +69,7 @@ std::span<const TriangleTest> triangle_tests();
 // By name, the default for an empty one, or an error that lists what there is.
 Result<const MeshStructure*> find_mesh_structure(std::string_view name);
 Result<const TriangleTest*> find_triangle_test(std::string_view name);
+// Null for structures without presets, to which a name is an error.
+Result<const WidePreset*> find_preset(const MeshStructure& structure, std::string_view name);
 
 }  // namespace spinel

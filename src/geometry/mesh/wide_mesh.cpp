@@ -69,7 +69,9 @@ void clip_triangle(const kernels::Triangle& triangle, const Box& box, int axis, 
     above.lower[axis] = std::max(above.lower[axis], plane);
 }
 
-WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
+namespace {
+
+Bvh build_binary(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
     HugeVector<Box> boxes(triangles.size());
     parallel_for(triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -77,13 +79,21 @@ WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const Wide
             boxes[i] = {glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))};
         }
     });
-    if (preset.grains) return collapse_bvh(build_grain_bvh(boxes), triangles, preset.wide);
-    const Bvh binary =
-        build_split_bvh(boxes, preset.binary,
-                        [&](std::uint32_t triangle, const Box& box, int axis, float plane, Box& below, Box& above) {
-                            clip_triangle(triangles[triangle], box, axis, plane, below, above);
-                        });
-    return collapse_bvh(binary, triangles, preset.wide);
+    if (preset.grains) return build_grain_bvh(boxes);
+    return build_split_bvh(boxes, preset.binary,
+                           [&](std::uint32_t triangle, const Box& box, int axis, float plane, Box& below, Box& above) {
+                               clip_triangle(triangles[triangle], box, axis, plane, below, above);
+                           });
+}
+
+}  // namespace
+
+WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
+    return collapse_bvh(build_binary(triangles, preset), triangles, preset.wide);
+}
+
+WideBvh build_compact_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
+    return compact_bvh(build_binary(triangles, preset), triangles, preset.wide);
 }
 
 }  // namespace spinel

@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "accel/compact_bvh.h"
 #include "accel/grain_bvh.h"
 #include "accel/split_bvh.h"
 #include "accel/wide_bvh.h"
@@ -24,6 +25,9 @@ std::span<const WidePreset> wide_presets();
 const WidePreset& default_wide_preset();
 
 WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset = default_wide_preset());
+// In the compact layout.
+WideBvh build_compact_mesh(std::span<const kernels::Triangle> triangles,
+                           const WidePreset& preset = default_wide_preset());
 
 // ClipPrimitive of triangles: the parts of a box below and above a plane that hold the triangle's. Crossings are worked
 // out in double and rounded outwards, so nothing is lost.

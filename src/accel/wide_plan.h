@@ -1,0 +1,50 @@
+#pragma once
+// Which nodes of a binary hierarchy become children of one eight-wide node, and which subtrees become leaves: chosen
+// for the least expected cost by dynamic programming over the binary tree. Ylitie, Karras, Laine, "Efficient Incoherent
+// Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 2.2. How nodes and leaves are stored is for
+// those who ask (wide_bvh.h, compact_bvh.h).
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "accel/bvh_builder.h"
+
+namespace spinel {
+
+constexpr std::uint32_t wide_width = 8;
+
+struct WideBvhOptions {
+    std::uint32_t max_leaf_blocks = 2;  // of triangles that are tested at once, at most 15
+    float node_cost = 1.0f;             // of eight boxes at once …
+    float block_cost = 1.0f;            // … and of a block
+};
+
+struct WidePlanNode {
+    std::uint32_t count;                             // of children
+    std::array<std::uint32_t, wide_width> children;  // in the binary tree
+    std::array<std::uint32_t, wide_width> firsts;    // of leaves, primitives in the order of the binary tree …
+    std::array<std::uint32_t, wide_width> counts;    // … and how many; 0: a node …
+    std::array<std::uint32_t, wide_width> nodes;     // … which is this one of the plan
+};
+
+struct WidePlan {
+    std::vector<WidePlanNode> nodes;  // in depth-first order, the root first
+    double sah_cost = 0;  // expected cost of a ray that meets the root's box, in units of the options' costs
+    std::uint32_t depth = 0;
+    std::uint32_t triangle_count = 0;  // in leaves, those that stand in several of them counted as often
+};
+
+// How many blocks the primitives [first, first + count) of the binary tree's order take. Asked for each of its nodes
+// whose primitives are no more than `most` for each block that a leaf may have.
+struct WideLeaves {
+    std::uint32_t most;
+    std::function<std::uint32_t(std::uint32_t first, std::uint32_t count)> blocks;
+};
+
+// Of a tree that is not empty, and in whose order the primitives of a left child end where those of the right one
+// begin. Children whose boxes have the largest area for each triangle stand first.
+WidePlan plan_wide_bvh(const Bvh& binary, const WideBvhOptions& options, const WideLeaves& leaves);
+
+}  // namespace spinel
