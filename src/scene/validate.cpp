@@ -1,5 +1,7 @@
 #include "scene/validate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -236,6 +238,10 @@ std::uint32_t slot_count(const Geometry& geometry) {
 Fault transform_fault(const mat4x3& transform) {
     if (!finite(transform)) return "has a transform that is not finite";
     const glm::dvec3 x(transform[0]), y(transform[1]), z(transform[2]);
+    // Lengths are squared in single precision on the way.
+    for (const double scale : {glm::length(x), glm::length(y), glm::length(z)})
+        if (scale > 0 && !(scale >= 1e-18 && scale <= 1e18))
+            return fmt::format("has a transform that scales an axis by {:g}; 1e-18 to 1e18 is allowed", scale);
     const double volume = std::abs(glm::dot(glm::cross(x, y), z));
     const double edges = glm::length(x) * glm::length(y) * glm::length(z);
     if (!(volume > 1e-6 * edges)) return "has a singular transform: it flattens space";
