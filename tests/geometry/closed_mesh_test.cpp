@@ -110,6 +110,10 @@ void expect_nothing_escapes(const AcceleratorSettings& accelerator, std::size_t 
 
 TEST(SlowClosedMeshes, keep_ten_million_rays_in) { expect_nothing_escapes({}, 10'000'000); }
 
+TEST(SlowClosedMeshes, keep_ten_million_rays_in_the_compact_layout) {
+    expect_nothing_escapes({"wide-bvh8-compact", "watertight"}, 10'000'000);
+}
+
 class SlowClosedMeshStructures : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(SlowClosedMeshStructures, keep_rays_in) {
