@@ -137,6 +137,7 @@ TEST(Validate, each_fault_is_a_sentence_that_names_the_thing) {
         {"geometry \"volume\" is a surface of vectors; it needs numbers",
          [](Scene& s) {
              geometry<VolumeGeometry>(s, volume).surface = true;
+             s.media[0].grid = -1;
              s.grids[0].samples = *build_grid({1, 1, 1}, std::vector<float>{1, 2, 3}, 3);
          }},
         {"geometry \"volume\" is a surface looked up by its nearest samples, which leaves steps: the filter has to be "
