@@ -166,8 +166,8 @@ TEST(Validate, each_fault_is_a_sentence_that_names_the_thing) {
         {"object \"mesh\" has a transform that is not finite", [](Scene& s) { s.objects[mesh].transform[3].x = nan; }},
         {"object \"mesh\" has a singular transform: it flattens space",
          [](Scene& s) { s.objects[mesh].transform[0] = vec3(0); }},
-        {"object \"mesh\" has a transform that scales an axis by 1e-40; 1e-18 to 1e18 is allowed",
-         [](Scene& s) { s.objects[mesh].transform = 1e-40f * mat4x3(1); }},
+        {"object \"mesh\" has a transform that scales an axis by 1e-30; 1e-18 to 1e18 is allowed",
+         [](Scene& s) { s.objects[mesh].transform = 1e-30f * mat4x3(1); }},
         {"object \"voxels\" has 3 materials, but its geometry uses 4 slots",
          [](Scene& s) {
              geometry<VoxelGeometry>(s, voxels) = test::voxels_of({1, 1, 1}, {4});
