@@ -307,6 +307,7 @@ TEST(MeshWalk, a_hit_knows_its_triangle_by_heart) {
             const vec3 expected = glm::cross(t.b - t.a, t.c - t.a);
             EXPECT_LT(glm::length(walks.normal(hit) - expected),
                       1e-6f * glm::length(t.b - t.a) * glm::length(t.c - t.a));
+            EXPECT_EQ(walks.normal(hit), wide_normal(wide_closest(built.mesh, r)));
         });
     }
 }

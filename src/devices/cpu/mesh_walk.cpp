@@ -154,16 +154,18 @@ bool any_portable(const WideMesh& mesh, const Ray& ray) {
     return found;
 }
 
-template <class Layout>
-glm::vec3 normal_of(const WideHit& hit) {
-    const kernels::Triangle triangle = Layout::triangle(hit.block, hit.lane);
-    return glm::cross(triangle.b - triangle.a, triangle.c - triangle.a);
+// cross(b − a, c − a), each component with the one of its products rounded that g++ rounds in kernels::mesh_report().
+// Left to itself it would choose otherwise for one layout or the other, and normals would differ in last bits.
+glm::vec3 normal_of(const kernels::Triangle& triangle) {
+    const glm::vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a;
+    return {kernels::multiply_add(-f.y, e.z, e.y * f.z), kernels::multiply_add(-f.z, e.x, e.z * f.x),
+            kernels::multiply_add(e.x, f.y, -(f.x * e.y))};
 }
 
 }  // namespace
 
-glm::vec3 wide_normal(const WideHit& hit) { return normal_of<Gathered>(hit); }
-glm::vec3 compact_normal(const WideHit& hit) { return normal_of<Compact>(hit); }
+glm::vec3 wide_normal(const WideHit& hit) { return normal_of(Gathered::triangle(hit.block, hit.lane)); }
+glm::vec3 compact_normal(const WideHit& hit) { return normal_of(Compact::triangle(hit.block, hit.lane)); }
 
 WideHit wide_closest_portable(const WideMesh& mesh, const Ray& ray) { return closest_portable<Gathered>(mesh, ray); }
 bool wide_any_portable(const WideMesh& mesh, const Ray& ray) { return any_portable<Gathered>(mesh, ray); }
