@@ -59,7 +59,9 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
             case SDF_OP_CYLINDER: value = sdf_cylinder(points.at[op.a] - e, d.x, d.y); break;
             case SDF_OP_PLANE: value = dot(vec3(d.x, d.y, d.z), points.at[op.a] - e) - d.w; break;
             case SDF_OP_GYROID: value = sdf_gyroid(points.at[op.a] - e, d); break;
+#ifdef __cplusplus
             case SDF_OP_GRID: value = sdf_grid(scene, op.b, points.at[op.a], vec2(d.x, d.y)); break;
+#endif
             case SDF_OP_MIN: value = min(values.at[op.a], values.at[op.b]); break;
             case SDF_OP_MAX: value = max(values.at[op.a], values.at[op.b]); break;
             case SDF_OP_SUBTRACT: value = max(values.at[op.a], -values.at[op.b]); break;
@@ -159,12 +161,14 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
             value = values.at[op.target];
             continue;
         }
+#ifdef __cplusplus
         if (op.op == SDF_OP_GRID) {
             value = sdf_grid_gradient(scene, op.b, points.at[op.a], vec2(d.x, d.y));
             value = vec4(vec3(value.x, value.y, value.z) * points.jacobian[op.a], value.w);
             values.at[op.target] = value;
             continue;
         }
+#endif
         vec4 a = values.at[op.a];
         switch (op.op) {
             case SDF_OP_MIN: value = a.w < values.at[op.b].w ? a : values.at[op.b]; break;
