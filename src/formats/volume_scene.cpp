@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "geometry/volume/level_set_fog.h"
 #include "kernels/materials.h"
 #include "scene/material_registry.h"
 
@@ -16,6 +17,9 @@ Scene volume_scene(std::vector<Grid> grids, const BareVolume& look) {
         object.name = grid.name;
         object.geometry = index;
         object.materials = {-1};
+        // What is nowhere inside, or flat, has no surface.
+        if (grid.level_set && (!(grid.samples->minimum() < 0) || glm::any(glm::equal(grid.samples->size(), ivec3(1)))))
+            grid = fog_of_level_set(grid);
         if (grid.level_set) {
             // A B-spline has no edges between samples that a highlight would show.
             grid.filter = Filter::cubic;

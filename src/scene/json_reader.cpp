@@ -149,8 +149,12 @@ int read_volume(JsonContext& context, const JsonValue& medium, const char* key, 
     if (geometry < 0) return -1;
     for (const Object& part : context.geometry_parts[std::size_t(geometry)].objects)
         if (const auto* volume =
-                std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data))
-            return volume->grid;
+                std::get_if<VolumeGeometry>(&context.scene.geometries[std::size_t(part.geometry)].data)) {
+            if (!context.scene.grids[std::size_t(volume->grid)].level_set) return volume->grid;
+            context.json.fail(value, where + ": geometry \"" + *value.text() +
+                                         "\" holds distances; \"as\": \"fog\" makes them densities");
+            return -1;
+        }
     context.json.fail(value, where + ": geometry \"" + *value.text() + "\" is not a volume");
     return -1;
 }

@@ -105,11 +105,11 @@ Result<void> build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatist
     return {};
 }
 
-template <WideBvh (*build)(std::span<const kernels::Triangle>, const WidePreset&)>
+// References address whole units, those of the compact layout halves of them.
+template <WideBvh (*build)(std::span<const kernels::Triangle>, const WidePreset&), std::size_t most_units>
 Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     WideBvh tree = build(input.triangles, *input.preset);
-    // Both layouts are addressed in steps of half a unit at least.
-    if (auto r = check_index("wide BVH", tree.units.size(), std::size_t(1) << 27); !r) return r;
+    if (auto r = check_index("wide BVH", tree.units.size(), most_units); !r) return r;
     arrays.wide_units = std::move(tree.units);
     arrays.order.resize(input.triangles.size());
     std::iota(arrays.order.begin(), arrays.order.end(), 0u);
@@ -121,9 +121,9 @@ Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatisti
 
 constexpr MeshStructure structures[] = {
     {"wide-bvh8", "BVH of eight children, spatial splits where boxes overlap much; AVX2 on CPUs",
-     kernels::MESH_WALK_WIDE, build_wide<build_wide_mesh>, true},
+     kernels::MESH_WALK_WIDE, build_wide<build_wide_mesh, std::size_t(1) << 28>, true},
     {"wide-bvh8-compact", "the same in half the memory: boxes in bytes, vertices shared within leaves; AVX2 on CPUs",
-     kernels::MESH_WALK_COMPACT, build_wide<build_compact_mesh>, true},
+     kernels::MESH_WALK_COMPACT, build_wide<build_compact_mesh, std::size_t(1) << 27>, true},
     {"bvh2", "binary BVH by binned surface area heuristic, stack walk", kernels::MESH_WALK_BVH2,
      build_bvh2<BvhMethod::binned>},
     {"bvh2-sweep", "binary BVH by surface area heuristic at every plane", kernels::MESH_WALK_BVH2,

@@ -20,6 +20,8 @@ using kernels::uint;
 
 enum class Side : std::uint8_t { outside, inside, both };
 
+constexpr std::size_t most_cells = std::size_t(1) << 27;  // nine bytes for each while they are sorted out
+
 // The coarse cells of a grid's box, x fastest.
 class Cells {
   public:
@@ -78,7 +80,7 @@ std::vector<uint> steps_to_surface(const Cells& cells, const std::vector<Side>& 
 }
 
 // The square of the Lipschitz bound over the look-ups in a coarse cell, by the samples that they read.
-float steepness(const kernels::SceneView& view, const kernels::DensityGrid& grid, ivec3 cell) {
+double steepness(const kernels::SceneView& view, const kernels::DensityGrid& grid, ivec3 cell) {
     const int reach = grid.filter_kind == kernels::FILTER_TRICUBIC ? 2 : 1;
     const ivec3 last = grid.size - 1;
     const ivec3 lower = glm::max(cell * grid.majorant_cell - reach, ivec3(0));
@@ -95,7 +97,7 @@ float steepness(const kernels::SceneView& view, const kernels::DensityGrid& grid
                     most[axis] = std::max(most[axis], std::abs(kernels::grid_sample(view, grid, next, 0) - value));
                 }
             }
-    return glm::dot(most, most);
+    return glm::dot(glm::dvec3(most), glm::dvec3(most));
 }
 
 }  // namespace
@@ -103,6 +105,8 @@ float steepness(const kernels::SceneView& view, const kernels::DensityGrid& grid
 Result<SdfData> build_surface(const VolumeGeometry& volume, const kernels::DensityGrid& record, uint grid,
                               std::vector<std::uint32_t>& words, const std::vector<float>& floats) {
     const Cells cells(record.majorant_size);
+    if (cells.count() > most_cells)
+        return Error{fmt::format("has {} coarse cells; a surface may have up to {}", cells.count(), most_cells)};
     const std::vector<Side> sides = sides_of(volume, record, floats, cells.count());
     const std::vector<uint> steps = steps_to_surface(cells, sides);
     const Result<uint> first =
@@ -114,6 +118,7 @@ Result<SdfData> build_surface(const VolumeGeometry& volume, const kernels::Densi
     const vec3 box_lower(0.5f), box_upper = vec3(record.size) - 0.5f;
     vec3 lower = box_upper, upper = box_lower;
     bool clipped = false;
+    words.reserve(words.size() + cells.count() + 1);
     words.push_back(grid);
     cells.each(false, [&](ivec3 c) {
         const std::size_t i = cells.index(c);
@@ -132,7 +137,7 @@ Result<SdfData> build_surface(const VolumeGeometry& volume, const kernels::Densi
 
     kernels::SceneView view = {};
     view.words.at = words.data();
-    std::vector<float> slab_steepness(std::size_t(record.majorant_size.z), 0);
+    std::vector<double> slab_steepness(std::size_t(record.majorant_size.z), 0);
     parallel_for(slab_steepness.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t z = begin; z < end; ++z)
             for (int y = 0; y < record.majorant_size.y; ++y)
@@ -140,9 +145,9 @@ Result<SdfData> build_surface(const VolumeGeometry& volume, const kernels::Densi
                     if (const ivec3 c(x, y, int(z)); steps[cells.index(c)] < 2)
                         slab_steepness[z] = std::max(slab_steepness[z], steepness(view, record, c));
     });
-    const float slope = std::sqrt(*std::max_element(slab_steepness.begin(), slab_steepness.end()));
-    const float unit = (volume.solid_above ? -1 : 1) / (slope > 0 ? slope : 1.0f);
-    if (!std::isfinite(unit)) return Error{"differs too little between samples to have a surface"};
+    const double slope = std::sqrt(*std::max_element(slab_steepness.begin(), slab_steepness.end()));
+    const auto unit = float((volume.solid_above ? -1 : 1) / (slope > 0 ? slope : 1.0));
+    if (!std::isnormal(unit)) return Error{"differs too little or too much between samples to have a surface"};
 
     SdfData data;
     data.ops.push_back(SdfOp(kernels::SDF_OP_GRID, 0, 0, *first, vec4(volume.level, unit, 0, 0), vec4(0)));
