@@ -6,9 +6,9 @@
 //
 // A node is COMPACT_NODE_WORDS words: a corner x, y, z; the exponents of the steps along x, y and z and a mask of the
 // children that there are, in bytes from the lowest; then as bytes, one a child, the planes lower x, upper x, lower y,
-// upper y, lower z, upper z; then references. A plane is corner + byte · step, rounded once, since the product is exact;
-// what is stored is such that no box is smaller than what it holds. A reference's upper four bits count the blocks of
-// a leaf, 0: a node; the lower ones say where it begins, in steps of COMPACT_STEP words from the root.
+// upper y, lower z, upper z; then references. A plane is corner + byte · step, rounded once, since the product is
+// exact; what is stored is such that no box is smaller than what it holds. A reference's upper four bits count the
+// blocks of a leaf, 0: a node; the lower ones say where it begins, in steps of COMPACT_STEP words from the root.
 //
 // A block holds up to eight triangles with up to eight vertices: a word with both numbers, in bytes; for each triangle
 // half a word with the places of its corners among the vertices, three bits each; the x of all vertices, their y, their
@@ -68,8 +68,9 @@ FN_ANEW void mesh_compact_walk(const_in(SceneView) scene, uint mesh, const_in(Me
             continue;
         }
         count.boxes += 8u;
-        vec3 corner = vec3(bits_float(compact_word(scene, root, word)), bits_float(compact_word(scene, root, word + 1u)),
-                           bits_float(compact_word(scene, root, word + 2u)));
+        vec3 corner =
+            vec3(bits_float(compact_word(scene, root, word)), bits_float(compact_word(scene, root, word + 1u)),
+                 bits_float(compact_word(scene, root, word + 2u)));
         uint packed = compact_word(scene, root, word + 3u);
         vec3 step = vec3(bits_float(byte_of(packed, 0u) << 23u), bits_float(byte_of(packed, 1u) << 23u),
                          bits_float(byte_of(packed, 2u) << 23u));

@@ -19,8 +19,8 @@ struct WorldMesh {
 // No triangles if anything of the scene is no mesh: rays would see something else than the scene's do.
 WorldMesh world_mesh(const Scene& scene);
 
-// The wide hierarchy and its compact layout by each preset, one ray at a time, and by the default one eight together. The mesh must
-// outlive what is returned.
+// The wide hierarchy and its compact layout by each preset, one ray at a time, and by the default one eight together.
+// The mesh must outlive what is returned.
 std::vector<BenchStructure> wide_structures(const WorldMesh& mesh);
 
 // Embree by its builds and modes; nothing where Spinel was built without it.
