@@ -1,8 +1,8 @@
 #pragma once
 // The scene file, described once: for every record the rows of what may stand in it: name, member, range,
 // unit, one sentence. The JSON reader and writer, the messages, the JSON Schema and the reference page all
-// come from these tables. A new field is one row in scene_fields.cpp; materials have their own table, from
-// which material_record() makes rows.
+// come from these tables. A new field is one row: in scene_fields.cpp of what is in a scene, in settings_fields.cpp of
+// how a picture is made of it. Materials have their own table, from which material_record() makes rows.
 
 #include <cstddef>
 #include <limits>
@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "spinel/scene.h"
@@ -144,6 +145,16 @@ inline Field by_hand(std::string_view name, std::string_view shape, std::string_
 inline Field required(Field row) {
     row.required = true;
     return row;
+}
+
+template <class T>
+Record record(std::string_view type, std::string_view doc, std::vector<Field> fields) {
+    static const T defaults{};
+    return {type, doc, std::move(fields), &defaults};
+}
+
+inline Record record_by_hand(std::string_view type, std::string_view doc, std::vector<Field> fields) {
+    return {type, doc, std::move(fields), nullptr};
 }
 
 }  // namespace spinel
