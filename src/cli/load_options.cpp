@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "geometry/mesh/mesh_structures.h"
-
 namespace spinel::cli {
 
 void add_load_options(CLI::App& app, LoadOptions& options) {
@@ -22,17 +20,6 @@ void add_load_options(CLI::App& app, LoadOptions& options) {
 Result<Scene> load_bare(const std::string& file, const LoadOptions& options) {
     const bool is_scene = std::filesystem::path(file).extension() == ".json";
     return is_scene ? load_scene(file, {0, 0}, options) : load_model(file, options);
-}
-
-Result<void> check_names(const AcceleratorSettings& accelerator) {
-    const Result<const MeshStructure*> structure = find_mesh_structure(accelerator.structure);
-    if (!structure) return structure.error();
-    const Result<const TriangleTest*> test = find_triangle_test(accelerator.triangle_test);
-    if (!test) return test.error();
-    // The default structure has presets; what the scene's has is for compile() to say.
-    const Result<const WidePreset*> preset = find_preset(**structure, accelerator.preset);
-    if (!preset) return preset.error();
-    return {};
 }
 
 }  // namespace spinel::cli

@@ -12,7 +12,4 @@ void add_load_options(CLI::App& app, LoadOptions& options);
 // A scene file, or a model as it is, without the light and the ground that a picture of it would get.
 Result<Scene> load_bare(const std::string& file, const LoadOptions& options);
 
-// Names on the command line, empty ones meaning the scene's: whether they are any.
-Result<void> check_names(const AcceleratorSettings& accelerator);
-
 }  // namespace spinel::cli

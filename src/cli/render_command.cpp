@@ -19,6 +19,7 @@
 #include "cli/progress.h"
 #include "core/parallel.h"
 #include "devices/devices.h"
+#include "geometry/mesh/mesh_builder.h"
 #include "image/image_io.h"
 #include "render/render.h"
 #include "scene/compiled_scene.h"
@@ -376,7 +377,7 @@ int run(const Options& o, const CommonOptions& common) {
     }
     if (const Result<void> outputs = check_outputs(o); !outputs) return fail(outputs.error(), exit_usage);
     if (const auto device = find_device(o.device); !device) return fail(device.error(), exit_usage);
-    if (const auto known = check_names(o.accelerator); !known) return fail(known.error(), exit_usage);
+    if (const auto known = choose_accelerator(o.accelerator); !known) return fail(known.error(), exit_usage);
     if (!o.integrator.empty())
         if (const auto integrator = find_integrator(o.integrator); !integrator)
             return fail(integrator.error(), exit_usage);

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/load_options.h"
 #include "formats/npy.h"
+#include "geometry/mesh/mesh_builder.h"
 #include "scene/compiled_scene.h"
 #include "spinel/formats.h"
 #include "spinel/trace.h"
@@ -37,7 +38,7 @@ Result<int> run(const Options& o, const CommonOptions& common) {
         trace.method = (*accelerator)->method;
         compiling.accelerator.structure = (*accelerator)->structure;
     }
-    if (const auto known = check_names(compiling.accelerator); !known) return fail(known.error(), exit_usage);
+    if (const auto known = choose_accelerator(compiling.accelerator); !known) return fail(known.error(), exit_usage);
     LoadOptions load = o.load;
     load.voxels = !o.voxels.empty();
     const std::string& input = load.voxels ? o.voxels : o.input;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/mesh/mesh_structures.h"
+#include "geometry/mesh/mesh_builder.h"
 #include "geometry/voxels/voxel_builder.h"
 #include "image/pixels.h"
 #include "kernels/materials.h"
@@ -461,10 +461,7 @@ Result<void> validate(const Scene& scene) {
         return {};
     };
     if (const Fault f = fault(scene.film)) return error("film", f);
-    const auto structure = find_mesh_structure(scene.accelerator.structure);
-    if (!structure) return structure.error();
-    if (const auto found = find_preset(**structure, scene.accelerator.preset); !found) return found.error();
-    if (const auto found = find_triangle_test(scene.accelerator.triangle_test); !found) return found.error();
+    if (const auto found = choose_accelerator(scene.accelerator); !found) return found.error();
     if (scene.integrator.spp < 1) return Error{"integrator needs at least 1 sample per pixel"};
     if (scene.integrator.max_bounces < -1) return Error{"integrator has max_bounces below −1"};
     for (const float x : {scene.integrator.ao_radius, scene.integrator.ao_strength, scene.integrator.glow,

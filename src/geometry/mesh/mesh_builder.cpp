@@ -73,17 +73,23 @@ Result<void> validate_mesh(const MeshGeometry& mesh) {
     return check_size("material slots", mesh.slots.size(), "triangles", mesh.triangles.size());
 }
 
+Result<AcceleratorChoice> choose_accelerator(const AcceleratorSettings& settings) {
+    const Result<const MeshStructure*> structure = find_mesh_structure(settings.structure);
+    if (!structure) return structure.error();
+    const Result<const TriangleTest*> test = find_triangle_test(settings.triangle_test);
+    if (!test) return test.error();
+    const Result<const WidePreset*> preset = find_preset(**structure, settings.preset);
+    if (!preset) return preset.error();
+    return AcceleratorChoice{*structure, *test, *preset};
+}
+
 Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator) {
     if (auto valid = validate_mesh(mesh); !valid) return valid.error();
-    const Result<const MeshStructure*> structure = find_mesh_structure(accelerator.structure);
-    if (!structure) return structure.error();
-    const Result<const TriangleTest*> test = find_triangle_test(accelerator.triangle_test);
-    if (!test) return test.error();
-    const Result<const WidePreset*> preset = find_preset(**structure, accelerator.preset);
-    if (!preset) return preset.error();
+    const Result<AcceleratorChoice> choice = choose_accelerator(accelerator);
+    if (!choice) return choice.error();
     MeshData data;
-    data.walk = (*structure)->walk;
-    data.triangle_test = (*test)->test;
+    data.walk = choice->structure->walk;
+    data.triangle_test = choice->test->test;
     data.bounds = {mesh.positions[0], mesh.positions[0]};
     for (const vec3& position : mesh.positions) {
         data.bounds.lower = glm::min(data.bounds.lower, position);
@@ -114,7 +120,8 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings&
     }
 
     const auto start = std::chrono::steady_clock::now();
-    if (auto built = (*structure)->build({triangles, boxes, *preset}, data.structure, data.statistics); !built)
+    if (auto built = choice->structure->build({triangles, boxes, choice->preset}, data.structure, data.statistics);
+        !built)
         return built.error();
     data.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 

@@ -36,6 +36,14 @@ kernels::UnitTriangle unit_triangle(const kernels::Triangle& t);
 // vertex, slots empty or one a triangle.
 Result<void> validate_mesh(const MeshGeometry& mesh);
 
+// What the names in the settings stand for, empty ones for the defaults; or the error of the first that is unknown.
+struct AcceleratorChoice {
+    const MeshStructure* structure;
+    const TriangleTest* test;
+    const WidePreset* preset;  // null: the structure has none
+};
+Result<AcceleratorChoice> choose_accelerator(const AcceleratorSettings& settings);
+
 // Validates first. Names of mesh_structures(), triangle_tests() and wide_presets(); empty ones mean the default.
 Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator = {});
 
