@@ -267,7 +267,9 @@ TEST(VolumeSurface, thin_walls_stop_rays_that_graze_a_floor) {
 TEST(VolumeSurface, faces_that_cut_a_solid_have_the_normals_of_the_box) {
     for (const Filter filter : {Filter::linear, Filter::cubic}) {
         const SurfaceScene scene(
-            grid_of({40, 40, 40}, [](ivec3 i) { return i.x == 39 && i.y == 39 ? 1.0f : -1e-9f; }, filter), {0, true});
+            grid_of(
+                {40, 40, 40}, [](ivec3 i) { return i.x == 39 && i.y == 39 ? 1.0f : -1e-9f; }, filter),
+            {0, true});
         SdfRandom random(6);
         for (int i = 0; i < 400; ++i) {
             const vec3 o(random.uniform(2, 30), random.uniform(2, 30), -4);
@@ -298,6 +300,15 @@ TEST(VolumeSurface, what_has_no_surface_is_refused) {
     EXPECT_EQ(build_surface({0, true, 20, true}, record, 0, words, floats).error().message,
               "has no sample above its level, 20, and so no surface");
     EXPECT_TRUE(build_surface({0, true, 1.5f, false}, record, 0, words, floats));
+
+    kernels::DensityGrid huge = record;
+    huge.majorant_size = ivec3(1024, 1024, 129);
+    EXPECT_EQ(build_surface({0, true}, huge, 0, words, floats).error().message,
+              "has 135266304 coarse cells; a surface may have up to 134217728");
+    const Grid faint = grid_of({9, 6, 5}, [](ivec3 i) { return 1e-42f * (float(i.x) - 4.5f); });
+    const kernels::DensityGrid faint_record = *append_grid(faint, words, floats);
+    EXPECT_EQ(build_surface({0, true}, faint_record, 0, words, floats).error().message,
+              "differs too little or too much between samples to have a surface");
 }
 
 TEST(VolumeSurface, a_level_set_as_fog_falls_to_nothing_at_its_surface) {
