@@ -137,7 +137,7 @@ TEST_F(VdbVolume, the_distances_of_a_level_set_are_no_densities) {
     openvdb::initialize();
     write_vdb(folder / "a.vdb", {level_set_of(0)});
     const auto scene_with = [&](const std::string& as) {
-        write("a.json", R"({"version": 1, "geometries": {"ball": {"type": "file", "path": "a.vdb")" + as + R"(}},
+        write("a.json", R"({"version": 1, "geometries": {"ball": {"type": "volume", "file": "a.vdb")" + as + R"(}},
 "media": {"mist": {"scattering": [1, 1, 1], "density": "ball"}},
 "objects": [{"geometry": "ball", "material": null, "interior": "mist"}]})");
         return load_scene(folder / "a.json");
@@ -145,7 +145,7 @@ TEST_F(VdbVolume, the_distances_of_a_level_set_are_no_densities) {
     const Result<Scene> distances = scene_with("");
     ASSERT_FALSE(distances);
     EXPECT_EQ(distances.error().message, (folder / "a.json").string() +
-                                             ":2:55: \"density\" of medium \"mist\": geometry \"ball\" holds "
+                                             ":2:56: \"density\" of medium \"mist\": geometry \"ball\" holds "
                                              "distances; \"as\": \"fog\" makes them densities");
     const Result<Scene> fog = scene_with(R"(, "as": "fog")");
     EXPECT_TRUE(fog) << fog.error().message;
