@@ -200,6 +200,7 @@ struct Sdf {
     uint op_count;
     float lipschitz;  // |f(p) − f(q)| ≤ lipschitz·|p − q| inside the bounds: a step of |f| / lipschitz is safe
     uint result;      // value register that holds f at the end
+    float longest_crawl;  // how far a march may go blindly where f is next to nothing: what is thinner may be missed
 };
 BUFFER(Sdfs, Sdf)
 

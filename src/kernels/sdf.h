@@ -16,7 +16,7 @@
 #include "sdf_ops.h"
 KERNELS_BEGIN
 
-const uint SDF_MAX_STEPS = 1024u;      // of one march; what happens at the bound: see sdf_march
+const uint SDF_MAX_STEPS = 8192u;      // of one march; what happens at the bound: see sdf_march
 const uint SDF_MAX_REFINEMENTS = 48u;  // of one bracket
 const uint SDF_MAX_OFFSETS = 16u;      // doublings (and halvings) of sdf_offset_point
 const float SDF_RESOLUTION = 1.0e-6f;  // smallest step, relative to the size and position of the bounds
@@ -220,11 +220,12 @@ struct SdfSegment {
     float t_first;     // the ray's t at origin …
     float t_scale;     // … and per unit of length
     float resolution;  // what is thinner than this is below the precision of f
+    float longest_crawl;
 };
 
 // The part of the ray in (t_min, t_max) inside of the bounds.
 FN SdfSegment sdf_clip(const_in(Sdf) sdf, Ray ray, float t_max) {
-    SdfSegment segment = SdfSegment(ray.origin, ray.direction, -1.0f, 0.0f, 0.0f, 0.0f);
+    SdfSegment segment = SdfSegment(ray.origin, ray.direction, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f);
     float speed = length(ray.direction);
     if (!(speed > 1.0e-18f)) return segment;
     vec3 d = ray.direction;
@@ -250,6 +251,7 @@ FN SdfSegment sdf_clip(const_in(Sdf) sdf, Ray ray, float t_max) {
     segment.t_scale = 1.0f / speed;
     float scale = length(sdf.upper - sdf.lower) + max_component(max(abs(sdf.lower), abs(sdf.upper)));
     segment.resolution = SDF_RESOLUTION * scale;
+    segment.longest_crawl = max(segment.resolution, min(sdf.longest_crawl, 1000.0f * segment.resolution));
     return segment;
 }
 
@@ -286,7 +288,7 @@ FN SdfBracket sdf_march(const_in(SceneView) scene, uint sdf, SdfSegment segment)
         float next = min(s + (crawling ? shortest : radius * relaxation), segment.extent);
         float next_f = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
         if (radius < max(shortest, 32.0f * segment.resolution)) {
-            shortest = min(shortest * 1.05f, 1000.0f * segment.resolution);
+            shortest = min(shortest * 1.05f, segment.longest_crawl);
         } else if (radius > 16.0f * shortest) {
             shortest = segment.resolution;
         }

@@ -18,9 +18,14 @@ FN vec3 sdf_grid_place(const_in(DensityGrid) grid, vec3 p) {
     return min(max(vec3(0.5f), p), vec3(grid.size) - vec3(0.5f));
 }
 
-FN uint sdf_grid_cell(const_in(DensityGrid) grid, vec3 p) {
-    ivec3 i = ivec3(p) / grid.majorant_cell;
-    return uint(i.x + grid.majorant_size.x * (i.y + grid.majorant_size.y * i.z));
+// What the table says of a place: 0 near the surface, else a length that no point of the surface is nearer than,
+// negative inside.
+FN float sdf_grid_clearance(const_in(SceneView) scene, uint first, const_in(DensityGrid) grid, vec3 place) {
+    ivec3 i = ivec3(place) / grid.majorant_cell;
+    int cell = i.x + grid.majorant_size.x * (i.y + grid.majorant_size.y * i.z);
+    uint away = scene.words.at[first + 1u + uint(cell)];
+    float clearance = float(away & ~SDF_GRID_INSIDE);
+    return (away & SDF_GRID_INSIDE) != 0u ? -clearance : clearance;
 }
 
 // data.y · (value − data.x) near the surface, but not more than the edge of a coarse cell: how steep values are is
@@ -28,11 +33,8 @@ FN uint sdf_grid_cell(const_in(DensityGrid) grid, vec3 p) {
 FN float sdf_grid(const_in(SceneView) scene, uint first, vec3 p, vec2 data) {
     RECORD(DensityGrid) grid = scene.grids.at[scene.words.at[first]];
     vec3 q = sdf_grid_place(grid, p);
-    uint away = scene.words.at[first + 1u + sdf_grid_cell(grid, q)];
-    if (away != 0u) {
-        float clearance = float(away & ~SDF_GRID_INSIDE);
-        return (away & SDF_GRID_INSIDE) != 0u ? -clearance : clearance;
-    }
+    float clearance = sdf_grid_clearance(scene, first, grid, q);
+    if (clearance != 0.0f) return clearance;
     float edge = float(grid.majorant_cell);
     return clamp(data.y * (grid_value_within(scene, grid, q, 0u) - data.x), -edge, edge);
 }
@@ -89,10 +91,13 @@ FN vec4 tricubic_gradient(const_in(SceneView) scene, const_in(DensityGrid) grid,
     return sum;
 }
 
-// (gradient of what sdf_grid() is near the surface, that itself).
+// (gradient of sdf_grid(), itself). Values count near the surface alone here too: on a face that cuts off a solid, the
+// grid must not seem nearer to its surface than the face.
 FN vec4 sdf_grid_gradient(const_in(SceneView) scene, uint first, vec3 p, vec2 data) {
     RECORD(DensityGrid) grid = scene.grids.at[scene.words.at[first]];
     vec3 q = sdf_grid_place(grid, p);
+    float clearance = sdf_grid_clearance(scene, first, grid, q);
+    if (clearance != 0.0f) return vec4(0.0f, 0.0f, 0.0f, clearance);
     vec4 g =
         grid.filter_kind == FILTER_TRICUBIC ? tricubic_gradient(scene, grid, q) : trilinear_gradient(scene, grid, q);
     return data.y * (g - vec4(0.0f, 0.0f, 0.0f, data.x));

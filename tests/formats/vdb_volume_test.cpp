@@ -8,6 +8,7 @@
 
 #include "formats/vdb.h"
 #include "scene/validate.h"
+#include "spinel/formats.h"
 #include "test_files.h"
 
 namespace spinel {
@@ -103,6 +104,51 @@ TEST_F(VdbVolume, several_grids_vectors_tiles_and_level_sets) {
     EXPECT_EQ(chosen->grids.size(), 1u);
     one.grid = "fire";
     expect_refused(load_vdb(path, one), path, "it has 'density', 'wind', 'density[1]'");
+}
+
+openvdb::FloatGrid::Ptr level_set_of(float offset) {
+    auto grid = openvdb::FloatGrid::create(2);
+    grid->setName("surface");
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    for (int z = -6; z <= 6; ++z)
+        for (int y = -6; y <= 6; ++y)
+            for (int x = -6; x <= 6; ++x) {
+                const float distance = glm::length(vec3(ivec3(x, y, z))) - 4;
+                grid->tree().setValueOn(Coord(x, y, z), std::clamp(distance, -2.0f, 2.0f) + offset);
+            }
+    return grid;
+}
+
+TEST_F(VdbVolume, a_level_set_that_is_nowhere_inside_stays_fog) {
+    openvdb::initialize();
+    for (const bool inside : {true, false}) {
+        const auto path = folder / "a.vdb";
+        write_vdb(path, {level_set_of(inside ? 0.0f : 2.0f)});
+        const Result<Scene> scene = load_vdb(path, {});
+        ASSERT_TRUE(scene) << scene.error().message;
+        EXPECT_TRUE(validate(*scene));
+        EXPECT_EQ(std::get<VolumeGeometry>(scene->geometries.at(0).data).surface, inside);
+        EXPECT_EQ(scene->objects.at(0).interior >= 0, !inside);
+        if (!inside) { EXPECT_EQ(scene->grids.at(0).samples->minimum(), 0); }
+    }
+}
+
+TEST_F(VdbVolume, the_distances_of_a_level_set_are_no_densities) {
+    openvdb::initialize();
+    write_vdb(folder / "a.vdb", {level_set_of(0)});
+    const auto scene_with = [&](const std::string& as) {
+        write("a.json", R"({"version": 1, "geometries": {"ball": {"type": "volume", "file": "a.vdb")" + as + R"(}},
+"media": {"mist": {"scattering": [1, 1, 1], "density": "ball"}},
+"objects": [{"geometry": "ball", "material": null, "interior": "mist"}]})");
+        return load_scene(folder / "a.json");
+    };
+    const Result<Scene> distances = scene_with("");
+    ASSERT_FALSE(distances);
+    EXPECT_EQ(distances.error().message, (folder / "a.json").string() +
+                                             ":2:56: \"density\" of medium \"mist\": geometry \"ball\" holds "
+                                             "distances; \"as\": \"fog\" makes them densities");
+    const Result<Scene> fog = scene_with(R"(, "as": "fog")");
+    EXPECT_TRUE(fog) << fog.error().message;
 }
 
 TEST_F(VdbVolume, what_is_too_large_is_refused_before_it_is_allocated) {

@@ -244,6 +244,52 @@ TEST(VolumeSurface, a_solid_without_an_end_ends_at_the_outermost_samples) {
     EXPECT_NEAR(scene.closest(Ray(vec3(4, 3, 2.5f), 0, vec3(0, 0, -2), INFINITE)).t, 1, 1e-5f);
 }
 
+// A long floor with a wall one sample thick across its far end. Rays that graze the floor crawl; none may step over the
+// wall.
+TEST(VolumeSurface, thin_walls_stop_rays_that_graze_a_floor) {
+    const SurfaceScene scene(grid_of({900, 40, 6},
+                                     [](ivec3 i) {
+                                         const float floor = float(i.y) - 9.0f;
+                                         return i.x == 850 ? std::min(floor, -0.3f) : floor;
+                                     }),
+                             {0, true});
+    SdfRandom random(5);
+    for (int i = 0; i < 400; ++i) {
+        const vec3 o(20, 9.5f + random.uniform(1e-4f, 2e-3f), random.uniform(1, 5));
+        const Hit hit = scene.closest(Ray(o, 0, vec3(1, 0, 0), INFINITE));
+        const float x = o.x + hit.t;
+        EXPECT_TRUE(x > 849.5f && x < 850.5f) << "ray " << i << " from height " << o.y << " hits at " << x;
+        EXPECT_LT(hit.normal.x, -0.1f);
+    }
+}
+
+// Values fall off slowly, so that near the box's face the grid seems nearer to its surface than the face is.
+TEST(VolumeSurface, faces_that_cut_a_solid_have_the_normals_of_the_box) {
+    for (const Filter filter : {Filter::linear, Filter::cubic}) {
+        const SurfaceScene scene(
+            grid_of(
+                {40, 40, 40}, [](ivec3 i) { return i.x == 39 && i.y == 39 ? 1.0f : -1e-9f; }, filter),
+            {0, true});
+        SdfRandom random(6);
+        for (int i = 0; i < 400; ++i) {
+            const vec3 o(random.uniform(2, 30), random.uniform(2, 30), -4);
+            const Hit hit = scene.closest(Ray(o, 0, vec3(0, 0, 1), INFINITE));
+            EXPECT_NEAR(hit.t, 4.5f, 1e-4f);
+            EXPECT_NEAR(hit.normal.z, -1, 1e-5f) << "at " << o.x << " " << o.y;
+        }
+    }
+}
+
+TEST(VolumeSurface, values_may_be_very_large_or_small) {
+    for (const float unit : {1e-30f, 1e25f}) {
+        const SurfaceScene scene(
+            grid_of({20, 20, 20}, [=](ivec3 i) { return unit * (glm::length(vec3(i) - 9.5f) - 6.0f); }), {0, true});
+        const Hit hit = scene.closest(Ray(vec3(-5, 10, 10), 0, vec3(1, 0, 0), INFINITE));
+        EXPECT_NEAR(hit.t, 15 - 6, 0.05f);
+        EXPECT_LT(hit.normal.x, -0.99f);
+    }
+}
+
 TEST(VolumeSurface, what_has_no_surface_is_refused) {
     const Grid grid = grid_of({9, 6, 5}, [](ivec3 i) { return 1.0f + float(i.x); });
     std::vector<std::uint32_t> words;
@@ -254,6 +300,15 @@ TEST(VolumeSurface, what_has_no_surface_is_refused) {
     EXPECT_EQ(build_surface({0, true, 20, true}, record, 0, words, floats).error().message,
               "has no sample above its level, 20, and so no surface");
     EXPECT_TRUE(build_surface({0, true, 1.5f, false}, record, 0, words, floats));
+
+    kernels::DensityGrid huge = record;
+    huge.majorant_size = ivec3(1024, 1024, 129);
+    EXPECT_EQ(build_surface({0, true}, huge, 0, words, floats).error().message,
+              "has 135266304 coarse cells; a surface may have up to 134217728");
+    const Grid faint = grid_of({9, 6, 5}, [](ivec3 i) { return 1e-42f * (float(i.x) - 4.5f); });
+    const kernels::DensityGrid faint_record = *append_grid(faint, words, floats);
+    EXPECT_EQ(build_surface({0, true}, faint_record, 0, words, floats).error().message,
+              "differs too little or too much between samples to have a surface");
 }
 
 TEST(VolumeSurface, a_level_set_as_fog_falls_to_nothing_at_its_surface) {

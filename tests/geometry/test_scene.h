@@ -55,7 +55,7 @@ class TestScene {
     // A sphere as an implicit surface.
     std::uint32_t add_sdf_sphere(float radius) {
         const float r = radius * 1.01f;
-        sdfs_.push_back({vec3(-r), count(ops_), vec3(r), 1, 1.0f, 0});
+        sdfs_.push_back({vec3(-r), count(ops_), vec3(r), 1, 1.0f, 0, kernels::INFINITE});
         ops_.push_back({kernels::SDF_OP_SPHERE, 0, 0, 0, vec4(radius, 0, 0, 0), vec4(0)});
         return count(sdfs_) - 1;
     }

@@ -372,6 +372,7 @@ Result<SdfData> build_sdf(const SdfGeometry& geometry) {
     data.sdf.op_count = static_cast<uint>(data.ops.size());
     data.sdf.lipschitz = static_cast<float>(lipschitz * (1 + 1e-5));  // evaluated in floats
     data.sdf.result = value;
+    data.sdf.longest_crawl = kernels::INFINITE;
     return data;
 }
 
