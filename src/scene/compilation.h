@@ -50,8 +50,9 @@ struct Compilation {
 constexpr const char* WORDS = "words of voxels, volumes, textures and tables";
 constexpr const char* NUMBERS = "numbers of volumes and environment";
 
-// compile.cpp: whether nothing of an object lets light pass, or has an inside.
+// compile.cpp: whether nothing of an object lets light pass, or has an inside; and whether any of it may have one.
 bool is_shell(const Scene& scene, const Object& object);
+bool may_have_inside(const Scene& scene, const Object& object);
 // The record of a mesh in the pools, with its statistics; `data` may be an error, which is then told of the geometry.
 Result<Compilation::Shape> add_mesh(Compilation& c, const std::string& name, const MeshGeometry& mesh,
                                     const Result<MeshData>& data);

@@ -119,6 +119,18 @@ bool is_shell(const Scene& scene, const Object& object) {
     });
 }
 
+bool may_have_inside(const Scene& scene, const Object& object) {
+    if (object.materials.empty()) return object.interior >= 0;
+    const bool voxels = std::holds_alternative<VoxelGeometry>(scene.geometries[std::size_t(object.geometry)].data) ||
+                        std::holds_alternative<SdfVoxelGeometry>(scene.geometries[std::size_t(object.geometry)].data);
+    return std::any_of(object.materials.begin(), object.materials.end(), [&](int material) {
+        if (material < 0) return object.interior >= 0;
+        const kernels::Material& m = scene.materials[std::size_t(material)].values;
+        return m.kind == kernels::MATERIAL_DIELECTRIC ||
+               (!is_solid(scene, material) && (voxels || object.interior >= 0 || m.interior != NONE));
+    });
+}
+
 Result<Compilation::Shape> add_mesh(Compilation& c, const std::string& name, const MeshGeometry& mesh,
                                     const Result<MeshData>& data) {
     if (!data) return of_geometry(name, data.error());

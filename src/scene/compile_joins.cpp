@@ -33,8 +33,8 @@ Box bounds_of(const MeshGeometry& mesh, const mat4x3& transform) {
     return box;
 }
 
-// An object that has an inside, or lets light pass.
-struct Open {
+// Where an object that may have an inside stands.
+struct Hollow {
     Box bounds;                          // in world space, wider than any rounding
     std::optional<mat4x3> world_to_box;  // of boxes, whose surface is where a coordinate is ±1
 };
@@ -43,39 +43,40 @@ class Finder {
   public:
     explicit Finder(const Compilation& c) : c_(c), scene_(c.scene) {
         for (const Object& object : scene_.objects)
-            if (!is_shell(scene_, object)) open_.push_back(open_of(object));
+            if (may_have_inside(scene_, object)) hollow_.push_back(hollow_of(object));
     }
 
     bool may_join(const Object& object) const {
         const auto* mesh = std::get_if<MeshGeometry>(&scene_.geometries[std::size_t(object.geometry)].data);
         return mesh && mesh->triangles.size() <= most_triangles && is_shell(scene_, object) &&
-               !touches_open(*mesh, object.transform);
+               !touches_hollow(*mesh, object.transform);
     }
 
   private:
-    Open open_of(const Object& object) const {
+    Hollow hollow_of(const Object& object) const {
         const auto* mesh = std::get_if<MeshGeometry>(&scene_.geometries[std::size_t(object.geometry)].data);
         const Compilation::Shape& shape = c_.shapes[std::size_t(object.geometry)];
         if (!mesh && !shape.bounded) return {{vec3(-kernels::INFINITE), vec3(kernels::INFINITE)}, {}};
-        Open open;
+        Hollow hollow;
         if (mesh) {
-            open.bounds = bounds_of(*mesh, object.transform);
+            hollow.bounds = bounds_of(*mesh, object.transform);
         } else {
             const mat4x3 to_world = affine_product(object.transform, shape.bake);
-            open.bounds = world_bounds(to_world, shape.lower, shape.upper);
-            if (shape.kind == kernels::GEOMETRY_BOX) open.world_to_box = affine_inverse(to_world);
+            hollow.bounds = world_bounds(to_world, shape.lower, shape.upper);
+            if (shape.kind == kernels::GEOMETRY_BOX) hollow.world_to_box = affine_inverse(to_world);
         }
-        const float size = kernels::max_component(glm::max(glm::abs(open.bounds.lower), glm::abs(open.bounds.upper)));
-        open.bounds.lower -= margin * size;
-        open.bounds.upper += margin * size;
-        return open;
+        const float size =
+            kernels::max_component(glm::max(glm::abs(hollow.bounds.lower), glm::abs(hollow.bounds.upper)));
+        hollow.bounds.lower -= margin * size;
+        hollow.bounds.upper += margin * size;
+        return hollow;
     }
 
-    bool touches_open(const MeshGeometry& mesh, const mat4x3& transform) const {
-        std::vector<const Open*> near;
+    bool touches_hollow(const MeshGeometry& mesh, const mat4x3& transform) const {
+        std::vector<const Hollow*> near;
         const Box bounds = bounds_of(mesh, transform);
-        for (const Open& open : open_)
-            if (overlap(open.bounds, bounds)) near.push_back(&open);
+        for (const Hollow& hollow : hollow_)
+            if (overlap(hollow.bounds, bounds)) near.push_back(&hollow);
         if (near.empty()) return false;
         if (near.size() > most_neighbours) return true;
         return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const uvec3& triangle) {
@@ -86,15 +87,15 @@ class Finder {
                 box.lower = glm::min(box.lower, p);
                 box.upper = glm::max(box.upper, p);
             }
-            return std::any_of(near.begin(), near.end(), [&](const Open* open) { return touches(*open, box); });
+            return std::any_of(near.begin(), near.end(), [&](const Hollow* hollow) { return touches(*hollow, box); });
         });
     }
 
-    static bool touches(const Open& open, const Box& box) {
-        if (!overlap(open.bounds, box)) return false;
-        if (!open.world_to_box) return true;
+    static bool touches(const Hollow& hollow, const Box& box) {
+        if (!overlap(hollow.bounds, box)) return false;
+        if (!hollow.world_to_box) return true;
         // Well inside of a box of fog is not on its surface.
-        const Box local = world_bounds(*open.world_to_box, box.lower, box.upper);
+        const Box local = world_bounds(*hollow.world_to_box, box.lower, box.upper);
         const float most = kernels::max_component(glm::max(glm::abs(local.lower), glm::abs(local.upper)));
         return !(most < 1 - margin);
     }
@@ -103,7 +104,7 @@ class Finder {
 
     const Compilation& c_;
     const Scene& scene_;
-    std::vector<Open> open_;
+    std::vector<Hollow> hollow_;
 };
 
 bool is_joinable(const AcceleratorChoice& choice) {
