@@ -13,12 +13,11 @@ FN void instance_closest_counted(const_in(SceneView) scene, uint instance, Ray r
         return;
     }
     Ray local = ray_to_local(scene.instances.at[instance], ray);
-    float before = hit.t;
+    Hit before = hit;
     float limit = instance_limit(instance, hit);
     hit.t = limit;
-    mesh_closest_counted(scene, scene.instances.at[instance].geometry, local, hit, count);
-    if (hit.t < limit) hit.instance = instance;
-    else hit.t = before;
+    mesh_closest_counted(scene, walked_geometry(scene.instances.at[instance]), local, hit, count);
+    settle_hit(scene, instance, limit, before, hit);
 }
 
 FN Hit trace_closest_counted(const_in(SceneView) scene, Ray ray, uint mask, inout(WalkCount) count) {
@@ -75,7 +74,7 @@ FN bool trace_any_counted(const_in(SceneView) scene, Ray ray, uint mask, inout(W
         if (!instance_admitted(scene.instances.at[instance].flags, mask)) continue;
         if (scene.instances.at[instance].geometry_kind == GEOMETRY_MESH) {
             Ray local = ray_to_local(scene.instances.at[instance], ray);
-            if (mesh_any_counted(scene, scene.instances.at[instance].geometry, local, count)) return true;
+            if (mesh_any_counted(scene, walked_geometry(scene.instances.at[instance]), local, count)) return true;
         } else {
             ++count.tests;
             if (instance_any(scene, instance, ray)) return true;

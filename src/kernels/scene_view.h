@@ -105,6 +105,7 @@ const uint MESH_WALK_GRID = 3u;       // MeshGrid
 const uint MESH_WALK_SPHERES = 4u;    // SphereNode
 const uint MESH_WALK_WIDE = 5u;       // WideUnit
 const uint MESH_WALK_COMPACT = 6u;    // WideUnit as words
+const uint MESH_WALK_JOINED = 7u;     // nothing of its own: rays walk a mesh that it is joined into (Instance)
 
 // How rays are tested against its triangles (mesh_triangles.h).
 const uint TRIANGLE_WATERTIGHT = 0u;
@@ -218,6 +219,11 @@ struct Instance {
     // Where its surface may lie in the same place as that of another instance, in world space.
     uint contact_first;  // into SceneView::contacts
     uint contact_count;
+    // Meshes that lie about each other in one local space are walked as one: the first of their instances leads, and
+    // the others are not asked by themselves.
+    uint joined_mesh;   // of a leader: the mesh of all their triangles, which follow each other
+    uint member_first;  // into SceneView::words: their instances, in order
+    uint member_count;  // 0: this instance is no leader, and rays walk its own geometry
 };
 BUFFER(Instances, Instance)
 

@@ -46,11 +46,43 @@ FN void voxel_set_closest(const_in(SceneView) scene, uint grid, uint slot_first,
     }
 }
 
-// The nearest hit of one instance in (ray.t_min, hit.t).
+// What rays walk for an instance: its own geometry, or that of all that it leads.
+FN uint walked_geometry(const_in(Instance) instance) {
+    return instance.member_count > 0u ? instance.joined_mesh : instance.geometry;
+}
+
+// A hit of the mesh that instances are joined into, told as one of the instance whose triangle it is.
+FN void name_member(const_in(SceneView) scene, uint leader, inout(Hit) hit) {
+    uint triangle = scene.meshes.at[scene.instances.at[leader].joined_mesh].triangle_first + hit.primitive;
+    uint low = scene.instances.at[leader].member_first;
+    uint high = low + scene.instances.at[leader].member_count;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        uint member = scene.words.at[middle];
+        if (scene.meshes.at[scene.instances.at[member].geometry].triangle_first <= triangle) low = middle;
+        else high = middle;
+    }
+    hit.instance = scene.words.at[low];
+    hit.primitive = triangle - scene.meshes.at[scene.instances.at[hit.instance].geometry].triangle_first;
+}
+
+// After an instance was asked for what is nearer than `limit`: whose hit it is. `before` is what was known.
+FN void settle_hit(const_in(SceneView) scene, uint instance, float limit, const_in(Hit) before, inout(Hit) hit) {
+    if (!(hit.t < limit)) {
+        hit.t = before.t;
+        return;
+    }
+    hit.instance = instance;
+    if (scene.instances.at[instance].member_count == 0u) return;
+    name_member(scene, instance, hit);
+    if (hit.t == before.t && before.instance < hit.instance) hit = before;
+}
+
+// The nearest hit of one instance, or of all that it leads, in (ray.t_min, hit.t).
 FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inout(Hit) hit) {
     Ray local = ray_to_local(scene.instances.at[instance], ray);
-    uint geometry = scene.instances.at[instance].geometry;
-    float before = hit.t;
+    uint geometry = walked_geometry(scene.instances.at[instance]);
+    Hit before = hit;
     float limit = instance_limit(instance, hit);
     local.t_max = limit;
     hit.t = limit;
@@ -65,14 +97,13 @@ FN void instance_closest(const_in(SceneView) scene, uint instance, Ray ray, inou
         case GEOMETRY_PLANE: plane_closest(local, hit); break;
         case GEOMETRY_RECTANGLE: rectangle_closest(local, hit); break;
     }
-    if (hit.t < limit) hit.instance = instance;
-    else hit.t = before;
+    settle_hit(scene, instance, limit, before, hit);
 }
 
-// Whether one instance is hit in (ray.t_min, ray.t_max).
+// Whether one instance, or any that it leads, is hit in (ray.t_min, ray.t_max).
 FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     Ray local = ray_to_local(scene.instances.at[instance], ray);
-    uint geometry = scene.instances.at[instance].geometry;
+    uint geometry = walked_geometry(scene.instances.at[instance]);
     Hit hit = no_hit(ray.t_max);
     switch (scene.instances.at[instance].geometry_kind) {
         case GEOMETRY_MESH: return mesh_any(scene, geometry, local);

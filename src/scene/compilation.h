@@ -7,6 +7,7 @@
 
 #include "accel/bvh_builder.h"
 #include "core/pool.h"
+#include "geometry/mesh/mesh_builder.h"
 #include "scene/compiled_scene.h"
 
 namespace spinel {
@@ -35,11 +36,32 @@ struct Compilation {
     };
     std::vector<Shape> shapes = {};            // parallel to Scene::geometries
     std::vector<VoxelTreePointer> trees = {};  // of voxel sets, as they are rendered; parallel to Scene::geometries
+
+    // Meshes that rays walk as one.
+    struct Join {
+        std::vector<kernels::uint> objects;  // in order; the first leads
+        kernels::uint mesh = 0;              // of all their triangles
+    };
+    std::vector<Join> joins = {};
+    std::vector<bool> joined = {};  // parallel to Scene::objects
 };
 
 // What the pools that several things share hold, for messages.
 constexpr const char* WORDS = "words of voxels, volumes, textures and tables";
 constexpr const char* NUMBERS = "numbers of volumes and environment";
+
+// compile.cpp: whether nothing of an object lets light pass, or has an inside; and whether any of it may have one.
+bool is_shell(const Scene& scene, const Object& object);
+bool may_have_inside(const Scene& scene, const Object& object);
+// The record of a mesh in the pools, with its statistics; `data` may be an error, which is then told of the geometry.
+Result<Compilation::Shape> add_mesh(Compilation& c, const std::string& name, const MeshGeometry& mesh,
+                                    const Result<MeshData>& data);
+
+// compile_joins.cpp: which meshes are joined, after all other shapes are known; their records, shapes and the structure
+// over them; and, after the instances, what leads them.
+void find_joins(Compilation& c, const AcceleratorChoice& choice);
+Result<void> build_join(Compilation& c, Compilation::Join& join, const AcceleratorChoice& choice);
+Result<void> name_leaders(Compilation& c);
 
 // compile_textures.cpp
 Result<void> add_textures(Compilation& c);

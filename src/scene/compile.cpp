@@ -77,7 +77,7 @@ kernels::SceneView CompiledScene::view() const {
     v.camera = camera;
     v.instance_count = uint(instances.size());
     v.bounded_count = bounded_count;
-    v.unbounded_count = uint(instances.size()) - bounded_count;
+    v.unbounded_count = uint(instance_order.size()) - bounded_count;
     v.light_count = uint(light_table.size());
     v.infinite_light_count = infinite_light_count;
     v.pass_through_count = pass_through_count;
@@ -100,6 +100,55 @@ namespace {
 
 using Shape = Compilation::Shape;
 
+Error of_geometry(const std::string& name, const Error& error) {
+    return {fmt::format("geometry '{}': {}", name, error.message)};
+}
+
+// Whether every ray that meets the material is stopped by it.
+bool is_solid(const Scene& scene, int material) {
+    if (material < 0) return false;
+    const kernels::Material& m = scene.materials[std::size_t(material)].values;
+    return m.opacity >= 1 && m.opacity_texture == NONE;
+}
+
+}  // namespace
+
+bool is_shell(const Scene& scene, const Object& object) {
+    return !object.materials.empty() && std::all_of(object.materials.begin(), object.materials.end(), [&](int m) {
+        return is_solid(scene, m) && scene.materials[std::size_t(m)].values.kind != kernels::MATERIAL_DIELECTRIC;
+    });
+}
+
+bool may_have_inside(const Scene& scene, const Object& object) {
+    if (object.materials.empty()) return object.interior >= 0;
+    const bool voxels = std::holds_alternative<VoxelGeometry>(scene.geometries[std::size_t(object.geometry)].data) ||
+                        std::holds_alternative<SdfVoxelGeometry>(scene.geometries[std::size_t(object.geometry)].data);
+    return std::any_of(object.materials.begin(), object.materials.end(), [&](int material) {
+        if (material < 0) return object.interior >= 0;
+        const kernels::Material& m = scene.materials[std::size_t(material)].values;
+        return m.kind == kernels::MATERIAL_DIELECTRIC ||
+               (!is_solid(scene, material) && (voxels || object.interior >= 0 || m.interior != NONE));
+    });
+}
+
+Result<Compilation::Shape> add_mesh(Compilation& c, const std::string& name, const MeshGeometry& mesh,
+                                    const Result<MeshData>& data) {
+    if (!data) return of_geometry(name, data.error());
+    if (data->triangles.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
+    const Result<kernels::Mesh> record = append_mesh(c.out, mesh, *data);
+    if (!record) return of_geometry(name, record.error());
+    Shape shape;
+    shape.kind = kernels::GEOMETRY_MESH;
+    shape.index = uint(c.out.meshes.size());
+    shape.lower = data->bounds.lower;
+    shape.upper = data->bounds.upper;
+    c.out.meshes.push_back(*record);
+    c.out.mesh_statistics.push_back(data->statistics);
+    return shape;
+}
+
+namespace {
+
 mat4x3 scaling(vec3 s) { return mat4x3(vec3(s.x, 0, 0), vec3(0, s.y, 0), vec3(0, 0, s.z), vec3(0)); }
 
 template <class T>
@@ -121,7 +170,7 @@ struct ShapeBuilder {
     const std::string& name;
     std::size_t geometry;
 
-    Error fail(const Error& error) const { return {fmt::format("geometry '{}': {}", name, error.message)}; }
+    Error fail(const Error& error) const { return of_geometry(name, error); }
 
     Result<uint> append_sdf(SdfData& data) const {
         const Result<uint> first = append_pool(c.out.sdf_ops, data.ops, "operations of implicit surfaces");
@@ -132,19 +181,7 @@ struct ShapeBuilder {
     }
 
     Result<Shape> operator()(const MeshGeometry& mesh) const {
-        const Result<MeshData> data = build_mesh(mesh, c.accelerator);
-        if (!data) return fail(data.error());
-        if (data->triangles.empty()) return Error{fmt::format("geometry '{}' has no triangle with an area", name)};
-        const Result<kernels::Mesh> record = append_mesh(c.out, mesh, *data);
-        if (!record) return fail(record.error());
-        Shape shape;
-        shape.kind = kernels::GEOMETRY_MESH;
-        shape.index = uint(c.out.meshes.size());
-        shape.lower = data->bounds.lower;
-        shape.upper = data->bounds.upper;
-        c.out.meshes.push_back(*record);
-        c.out.mesh_statistics.push_back(data->statistics);
-        return shape;
+        return add_mesh(c, name, mesh, build_mesh(mesh, c.accelerator));
     }
     Result<Shape> operator()(const VoxelGeometry& voxels) const {
         const VoxelTree& tree = *c.trees[geometry];
@@ -231,11 +268,39 @@ struct ShapeBuilder {
     }
 };
 
-// Whether every ray that meets the material is stopped by it.
-bool is_solid(const Scene& scene, int material) {
-    if (material < 0) return false;
-    const kernels::Material& m = scene.materials[std::size_t(material)].values;
-    return m.opacity >= 1 && m.opacity_texture == NONE;
+// All geometries that are used. Meshes come last: which of them are joined depends on what lies among them.
+Result<void> add_shapes(Compilation& c, bool has_camera) {
+    const Scene& scene = c.scene;
+    c.trees.resize(scene.geometries.size());
+    c.shapes.resize(scene.geometries.size());
+    std::vector<bool> due(scene.geometries.size(), false);
+    for (const Object& object : scene.objects) due[std::size_t(object.geometry)] = true;
+    const auto add = [&](std::size_t i) -> Result<void> {
+        const Geometry& geometry = scene.geometries[i];
+        if (std::holds_alternative<VoxelGeometry>(geometry.data))
+            c.trees[i] = detailed_voxels(scene, i, has_camera ? &c.out.camera : nullptr);
+        const Result<Shape> shape = std::visit(ShapeBuilder{c, geometry.name, i}, geometry.data);
+        if (!shape) return shape.error();
+        c.shapes[i] = *shape;
+        due[i] = false;
+        return {};
+    };
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i)
+        if (due[i] && !std::holds_alternative<MeshGeometry>(scene.geometries[i].data))
+            if (Result<void> added = add(i); !added) return added;
+    c.joined.assign(scene.objects.size(), false);
+    const Result<AcceleratorChoice> choice = choose_accelerator(c.accelerator);
+    if (choice) find_joins(c, *choice);  // else the first mesh tells why not
+    for (Compilation::Join& join : c.joins) {
+        if (Result<void> built = build_join(c, join, *choice); !built) return built;
+        for (const uint object : join.objects) due[std::size_t(scene.objects[object].geometry)] = false;
+    }
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i)
+        if (due[i])
+            if (Result<void> added = add(i); !added) return added;
+    for (std::size_t i = 0; i < scene.geometries.size(); ++i)
+        c.shapes[i].slot_count = std::max<std::size_t>(slot_count(scene.geometries[i]), 1);
+    return {};
 }
 
 // What is inside a slot of an object: the object's own interior before the material's.
@@ -326,7 +391,8 @@ Result<void> add_instance(Compilation& c, std::size_t index) {
     return {};
 }
 
-// Bounded instances under a BVH, the others behind them in the order. Objects keep their indices.
+// Bounded instances under a BVH, the others behind them in the order; of joined ones those that lead. Objects keep
+// their indices.
 void build_top_level(Compilation& c) {
     CompiledScene& out = c.out;
     std::vector<Box> boxes;
@@ -337,8 +403,14 @@ void build_top_level(Compilation& c) {
             unbounded.push_back(i);
             continue;
         }
+        if (c.joined[i]) continue;
         bounded.push_back(i);
         boxes.push_back(world_bounds(out.instances[i].object_to_world, shape.lower, shape.upper));
+    }
+    for (const Compilation::Join& join : c.joins) {
+        const kernels::Mesh& mesh = out.meshes[join.mesh];
+        bounded.push_back(join.objects[0]);
+        boxes.push_back(world_bounds(out.instances[join.objects[0]].object_to_world, mesh.lower, mesh.upper));
     }
     std::vector<Box> widened = boxes;  // as kernels::instance_slab_ray() has it
     for (Box& box : widened) {
@@ -454,27 +526,13 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
 
     if (Result<void> added = add_textures(c); !added) return added.error();
     for (const Material& material : scene.materials) out.materials.push_back(material.values);
-    std::vector<bool> used(scene.geometries.size(), false);
-    for (const Object& object : scene.objects) used[std::size_t(object.geometry)] = true;
-    for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
-        const Geometry& geometry = scene.geometries[i];
-        c.trees.emplace_back();
-        if (!used[i]) {
-            c.shapes.emplace_back();
-            continue;
-        }
-        if (std::holds_alternative<VoxelGeometry>(geometry.data))
-            c.trees[i] = detailed_voxels(scene, i, camera ? &out.camera : nullptr);
-        Result<Shape> shape = std::visit(ShapeBuilder{c, geometry.name, i}, geometry.data);
-        if (!shape) return shape.error();
-        shape->slot_count = std::max<std::size_t>(slot_count(geometry), 1);
-        c.shapes.push_back(*shape);
-    }
+    if (Result<void> added = add_shapes(c, camera.has_value()); !added) return added.error();
     c.emission_rate = emission_rate(c);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         if (Result<void> added = add_instance(c, i); !added) return added.error();
         out.object_names.push_back(scene.objects[i].name);
     }
+    if (Result<void> named = name_leaders(c); !named) return named.error();
     build_top_level(c);
     if (Result<void> found = find_contacts(c); !found) return found.error();
     if (Result<void> added = add_environment(c); !added) return added.error();

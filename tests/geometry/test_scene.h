@@ -66,7 +66,7 @@ class TestScene {
         const glm::mat3 inverse(linear);
         const mat4x3 to_object = affine(inverse, vec3(-(linear * glm::dvec3(transform[3]))));
         instances_.push_back(
-            {transform, to_object, kind, geometry, count(slots_), NO, 0, flags, count(instances_), 0, 0});
+            {transform, to_object, kind, geometry, count(slots_), NO, 0, flags, count(instances_), 0, 0, 0, 0, 0});
         append(slots_, slots);
         return count(instances_) - 1;
     }

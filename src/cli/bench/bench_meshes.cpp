@@ -36,6 +36,7 @@ BenchStructure structure_of(const MeshStructure& row, const std::shared_ptr<cons
     s.name = row.name;
     double weighted = 0, triangles = 0;
     for (std::size_t i = 0; i < scene->meshes.size(); ++i) {
+        if (scene->meshes[i].walk == kernels::MESH_WALK_JOINED) continue;
         const MeshStatistics& statistics = scene->mesh_statistics[i];
         s.bytes += double(statistics.bytes);
         s.depth = std::max(s.depth, statistics.depth);

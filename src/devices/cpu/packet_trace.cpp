@@ -61,7 +61,8 @@ struct SlabPacket {
 };
 
 bool is_mesh_for_packets(const SceneView& scene, const kernels::Instance& placed) {
-    return placed.geometry_kind == kernels::GEOMETRY_MESH && walks_in_packets(scene.meshes.at[placed.geometry]);
+    return placed.geometry_kind == kernels::GEOMETRY_MESH &&
+           walks_in_packets(scene.meshes.at[kernels::walked_geometry(placed)]);
 }
 
 // As kernels::instance_closest for each ray.
@@ -79,20 +80,20 @@ void instance_closest8(const SceneView& scene, uint instance, const Ray rays[pac
         return;
     }
     Ray local[packet_size];
-    float before[packet_size];
+    Hit before[packet_size];
     for (int i = 0; i < packet_size; ++i) local[i] = kernels::ray_to_local(placed, rays[i]);
     for (unsigned rest = lanes; rest; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
-        before[i] = hits[i].t;
+        before[i] = hits[i];
         hits[i].t = kernels::instance_limit(instance, hits[i]);
         local[i].t_max = hits[i].t;
     }
     const unsigned found =
-        mesh ? cpu_mesh_closest8(scene, placed.geometry, instance, local, lanes, hits)
+        mesh ? cpu_mesh_closest8(scene, kernels::walked_geometry(placed), instance, local, lanes, hits)
              : cpu_voxels_closest8(scene, placed.geometry, placed.slot_first, instance, local, lanes, hits);
-    for (unsigned rest = lanes & ~found; rest; rest &= rest - 1) {
+    for (unsigned rest = placed.member_count > 0 ? lanes : lanes & ~found; rest; rest &= rest - 1) {
         const int i = std::countr_zero(rest);
-        hits[i].t = before[i];
+        kernels::settle_hit(scene, instance, local[i].t_max, before[i], hits[i]);
     }
 }
 
@@ -161,7 +162,7 @@ unsigned cpu_trace_any8(const SceneView& scene, const Ray rays[packet_size], uns
         if (is_mesh_for_packets(scene, placed) && !std::has_single_bit(inside)) {
             Ray local[packet_size];
             for (int i = 0; i < packet_size; ++i) local[i] = kernels::ray_to_local(placed, rays[i]);
-            blocked |= cpu_mesh_any8(scene, placed.geometry, local, inside);
+            blocked |= cpu_mesh_any8(scene, kernels::walked_geometry(placed), local, inside);
         } else if (placed.geometry_kind == kernels::GEOMETRY_VOXELS) {
             Hit hits[packet_size];
             for (int i = 0; i < packet_size; ++i) hits[i] = kernels::no_hit(rays[i].t_max);

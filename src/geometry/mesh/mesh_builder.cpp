@@ -83,56 +83,68 @@ Result<AcceleratorChoice> choose_accelerator(const AcceleratorSettings& settings
     return AcceleratorChoice{*structure, *test, *preset};
 }
 
-Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator) {
+Result<MeshData> read_mesh(const MeshGeometry& mesh, const AcceleratorChoice& choice) {
     if (auto valid = validate_mesh(mesh); !valid) return valid.error();
-    const Result<AcceleratorChoice> choice = choose_accelerator(accelerator);
-    if (!choice) return choice.error();
     MeshData data;
-    data.walk = choice->structure->walk;
-    data.triangle_test = choice->test->test;
+    data.walk = choice.structure->walk;
+    data.triangle_test = choice.test->test;
     data.bounds = {mesh.positions[0], mesh.positions[0]};
     for (const vec3& position : mesh.positions) {
         data.bounds.lower = glm::min(data.bounds.lower, position);
         data.bounds.upper = glm::max(data.bounds.upper, position);
     }
-
-    std::vector<std::uint32_t> kept;  // triangles with an area
-    std::vector<kernels::Triangle> triangles;
-    std::vector<Box> boxes;
-    kept.reserve(mesh.triangles.size());
-    triangles.reserve(mesh.triangles.size());
-    boxes.reserve(mesh.triangles.size());
+    data.triangles.reserve(mesh.triangles.size());
+    data.infos.reserve(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const vec3 a = mesh.positions[mesh.triangles[i].x];
         const vec3 b = mesh.positions[mesh.triangles[i].y];
         const vec3 c = mesh.positions[mesh.triangles[i].z];
         const vec3 normal = glm::cross(b - a, c - a);
         if (!(glm::dot(normal, normal) > 0)) continue;  // also where the square underflows: no direction to be had
-        kept.push_back(static_cast<std::uint32_t>(i));
-        triangles.push_back({a, b, c});
-        boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
+        if (data.triangles.empty()) data.triangle_bounds = {a, a};
+        data.triangle_bounds.lower = glm::min(data.triangle_bounds.lower, glm::min(a, glm::min(b, c)));
+        data.triangle_bounds.upper = glm::max(data.triangle_bounds.upper, glm::max(a, glm::max(b, c)));
+        data.triangles.push_back({a, b, c});
+        data.infos.push_back({mesh.triangles[i], mesh.slots.empty() ? 0u : mesh.slots[i], std::uint32_t(i)});
     }
-    if (kept.empty()) return data;
-    data.triangle_bounds = boxes[0];
-    for (const Box& box : boxes) {
-        data.triangle_bounds.lower = glm::min(data.triangle_bounds.lower, box.lower);
-        data.triangle_bounds.upper = glm::max(data.triangle_bounds.upper, box.upper);
-    }
+    return data;
+}
 
+Result<MeshStructureData> build_structure(std::span<const kernels::Triangle> triangles,
+                                          const AcceleratorChoice& choice) {
+    std::vector<Box> boxes;
+    boxes.reserve(triangles.size());
+    for (const kernels::Triangle& t : triangles)
+        boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
+    MeshStructureData out;
     const auto start = std::chrono::steady_clock::now();
-    if (auto built = choice->structure->build({triangles, boxes, choice->preset}, data.structure, data.statistics);
-        !built)
-        return built.error();
-    data.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const Result<void> built = choice.structure->build({triangles, boxes, choice.preset}, out.arrays, out.statistics);
+    if (!built) return built.error();
+    out.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return out;
+}
 
-    const std::vector<std::uint32_t>& order = data.structure.order;
-    data.triangles.reserve(order.size());
-    data.infos.reserve(order.size());
+Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator) {
+    const Result<AcceleratorChoice> choice = choose_accelerator(accelerator);
+    if (!choice) return choice.error();
+    Result<MeshData> data = read_mesh(mesh, *choice);
+    if (!data || data->triangles.empty()) return data;
+    Result<MeshStructureData> built = build_structure(data->triangles, *choice);
+    if (!built) return built.error();
+    data->structure = std::move(built->arrays);
+    data->statistics = built->statistics;
+    const std::vector<std::uint32_t>& order = data->structure.order;
+    std::vector<kernels::Triangle> triangles;
+    std::vector<kernels::TriangleInfo> infos;
+    triangles.reserve(order.size());
+    infos.reserve(order.size());
     for (const std::uint32_t i : order) {
-        data.triangles.push_back(triangles[i]);
-        data.infos.push_back({mesh.triangles[kept[i]], mesh.slots.empty() ? 0u : mesh.slots[kept[i]], kept[i]});
+        triangles.push_back(data->triangles[i]);
+        infos.push_back(data->infos[i]);
     }
-    add_test_data(mesh, data);
+    data->triangles = std::move(triangles);
+    data->infos = std::move(infos);
+    add_test_data(mesh, *data);
     return data;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // From a mesh as the user gave it to the arrays that kernels/mesh.h walks.
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -44,7 +45,17 @@ struct AcceleratorChoice {
 };
 Result<AcceleratorChoice> choose_accelerator(const AcceleratorSettings& settings);
 
-// Validates first. Names of mesh_structures(), triangle_tests() and wide_presets(); empty ones mean the default.
+// All of a mesh but its structure, triangles in the user's order, after validation.
+Result<MeshData> read_mesh(const MeshGeometry& mesh, const AcceleratorChoice& choice);
+// The structure over triangles with an area.
+struct MeshStructureData {
+    MeshArrays arrays;
+    MeshStatistics statistics;  // without bytes
+};
+Result<MeshStructureData> build_structure(std::span<const kernels::Triangle> triangles,
+                                          const AcceleratorChoice& choice);
+
+// Both. Names of mesh_structures(), triangle_tests() and wide_presets(); empty ones mean the default.
 Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator = {});
 
 // Appends a mesh, its attributes included, to pools that are named as those of a CompiledScene.
