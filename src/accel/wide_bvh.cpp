@@ -5,6 +5,7 @@
 #include <bit>
 #include <limits>
 
+#include "accel/float4.h"
 #include "core/parallel.h"
 
 namespace spinel {
@@ -55,14 +56,13 @@ class Writer {
 
     void write_node(std::size_t index) {
         constexpr float inf = std::numeric_limits<float>::infinity();
+        static constexpr kernels::BvhNode nothing = {glm::vec3(inf), 0, glm::vec3(-inf), 0};
         const WidePlanNode& node = plan_.nodes[index];
         kernels::WideUnit* const units = &out_.units[units_[index]];
         std::uint32_t block = units_[index] + kernels::WIDE_NODE_UNITS;
+        std::array<const kernels::BvhNode*, wide_width> boxes;
         for (std::uint32_t i = 0; i < wide_width; ++i) {
-            for (int axis = 0; axis < 3; ++axis) {
-                units[2 * axis].lanes[i] = i < node.count ? binary_.nodes[node.children[i]].lower[axis] : inf;
-                units[2 * axis + 1].lanes[i] = i < node.count ? binary_.nodes[node.children[i]].upper[axis] : -inf;
-            }
+            boxes[i] = i < node.count ? &binary_.nodes[node.children[i]] : &nothing;
             std::uint32_t reference = 0;
             if (i < node.count && node.counts[i] > 0) reference = blocks_for(node.counts[i]) << 28 | block;
             else if (i < node.count) reference = units_[node.nodes[i]];
@@ -73,6 +73,24 @@ class Writer {
                 write_block(out_.units[block].lanes, node.firsts[i] + first,
                             std::min(block_size, node.counts[i] - first));
         }
+        for (std::size_t half = 0; half < wide_width; half += 4) {
+            const auto write = [&](int unit, const float* a, const float* b, const float* c, const float* d) {
+                const auto columns = transposed(a, b, c, d);
+                for (int axis = 0; axis < 3; ++axis)
+                    columns[std::size_t(axis)].store(units[unit + 2 * axis].lanes + half);
+            };
+            const auto* const box = &boxes[half];
+            write(0, &box[0]->lower.x, &box[1]->lower.x, &box[2]->lower.x, &box[3]->lower.x);
+            write(1, &box[0]->upper.x, &box[1]->upper.x, &box[2]->upper.x, &box[3]->upper.x);
+        }
+    }
+
+    // The columns of four rows of four.
+    static std::array<Float4, 4> transposed(const float* a, const float* b, const float* c, const float* d) {
+        std::array<Float4, 4> rows = {Float4::load_anywhere(a), Float4::load_anywhere(b), Float4::load_anywhere(c),
+                                      Float4::load_anywhere(d)};
+        transpose(rows[0], rows[1], rows[2], rows[3]);
+        return rows;
     }
 
     void write_block(float* rows, std::uint32_t first, std::uint32_t count) {
@@ -82,10 +100,14 @@ class Writer {
             indices[lane] = binary_.order[first + std::min(lane, count - 1)];
             t[lane] = &triangles_[indices[lane]].a.x;
         }
-        for (std::uint32_t row = 0; row < 9; ++row)
-            for (std::uint32_t lane = 0; lane < block_size; ++lane) rows[row * block_size + lane] = t[lane][row];
-        for (std::uint32_t lane = 0; lane < block_size; ++lane)
+        for (std::size_t row = 0; row < 8; row += 4) {
+            const auto columns = transposed(t[0] + row, t[1] + row, t[2] + row, t[3] + row);
+            for (std::size_t i = 0; i < 4; ++i) columns[i].store(rows + (row + i) * block_size);
+        }
+        for (std::uint32_t lane = 0; lane < block_size; ++lane) {
+            rows[8 * block_size + lane] = t[lane][8];
             rows[9 * block_size + lane] = std::bit_cast<float>(indices[lane]);
+        }
     }
 
     // Asks memory for what write_node() reads: nodes and triangles are wanted in another order than they stand in.
