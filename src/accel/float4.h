@@ -9,7 +9,7 @@
 #include <emmintrin.h>
 #endif
 
-#include <glm/glm.hpp>
+#include "accel/bvh_builder.h"
 
 namespace spinel {
 
@@ -41,6 +41,8 @@ inline Float4 where_less(Float4 a, Float4 b, Float4 yes, Float4 no) {
 }
 // Bit i: whether a < b in lane i.
 inline int less_mask(Float4 a, Float4 b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)); }
+// Lanes 1, 2, 3, 0.
+inline Float4 rotated(Float4 a) { return Float4(_mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(0, 3, 2, 1))); }
 // Rows become columns.
 inline void transpose(Float4& a, Float4& b, Float4& c, Float4& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
 // Towards zero; what an int cannot hold becomes its least value.
@@ -101,6 +103,7 @@ inline int less_mask(Float4 a, Float4 b) {
     for (std::size_t i = 0; i < 4; ++i) mask |= int(a.v[i] < b.v[i]) << i;
     return mask;
 }
+inline Float4 rotated(Float4 a) { return Float4({a.v[1], a.v[2], a.v[3], a.v[0]}); }
 inline void transpose(Float4& a, Float4& b, Float4& c, Float4& d) {
     Float4* const rows[4] = {&a, &b, &c, &d};
     for (std::size_t i = 0; i < 4; ++i)
@@ -135,5 +138,11 @@ struct Bounds {
     }
     float half_area() const { return spinel::half_area(upper - lower); }  // NaN if empty
 };
+
+// With anything in the idle lanes.
+inline Bounds bounds_of(const Box& box) {
+    static_assert(sizeof(Box) == 6 * sizeof(float));
+    return {Float4::load_anywhere(&box.lower.x), rotated(Float4::load_anywhere(&box.lower.z))};
+}
 
 }  // namespace spinel

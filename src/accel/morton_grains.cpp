@@ -32,13 +32,16 @@ std::uint64_t spread(std::uint64_t v) {
 }
 
 // Halved before adding, which could overflow.
-Float4 center_of(const Box& box) { return Float4(box.lower) * Float4(0.5f) + Float4(box.upper) * Float4(0.5f); }
+Float4 center_of(const Box& box) {
+    const Bounds b = bounds_of(box);
+    return b.lower * Float4(0.5f) + b.upper * Float4(0.5f);
+}
 
-bool is_usable(const Box& b) {  // false for NaN and ±∞
-    constexpr float most = std::numeric_limits<float>::max();
-    for (int a = 0; a < 3; ++a)
-        if (!(b.lower[a] >= -most && b.lower[a] <= b.upper[a] && b.upper[a] <= most)) return false;
-    return true;
+bool is_usable(const Box& box) {  // false for NaN and ±∞
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    const Bounds b = bounds_of(box);
+    const int finite = less_mask(Float4(-infinity), b.lower) & less_mask(b.upper, Float4(infinity));
+    return (finite & ~less_mask(b.upper, b.lower) & 7) == 7;
 }
 
 // What maps a centre to its place along the curve through a box.

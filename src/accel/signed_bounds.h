@@ -6,7 +6,6 @@
 #include <immintrin.h>
 #endif
 
-#include "accel/bvh_builder.h"
 #include "accel/float4.h"
 
 namespace spinel {
@@ -67,7 +66,10 @@ struct SignedBounds {
 
 #endif
 
-inline SignedBounds signed_bounds(const Box& box) { return {Float4(-box.lower), Float4(box.upper)}; }
+inline SignedBounds signed_bounds(const Box& box) {
+    const Bounds b = bounds_of(box);
+    return {Float4(0.0f) - b.lower, b.upper};
+}
 
 inline glm::vec3 lower_of(SignedBounds b) {
     const auto l = lanes_of(b.negated_lower());

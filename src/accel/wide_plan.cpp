@@ -35,10 +35,12 @@ class Costs {
     alignas(32) std::array<float, 2 * width> costs_;
 };
 
+constexpr std::uint32_t scattered = ~0u;  // primitives that do not follow each other
+
 // … and how that is reached.
 class Choice {
   public:
-    std::uint32_t first;  // of the subtree's primitives in the order of leaves …
+    std::uint32_t first;  // of the subtree's primitives in the order of leaves, or scattered …
     std::uint32_t count;  // … and how many
 
     // Of i = 2 … 8 children those that stand for the left subtree; 0: as for i − 1.
@@ -95,10 +97,7 @@ class Planner {
             choose(node.first, depth, left);
             choose(node.first + 1, depth, right);
         }
-        const Choice &l = choices_[node.first], &r = choices_[node.first + 1];
-        assert(l.first + l.count == r.first);
-        choice.first = l.first;
-        choice.count = l.count + r.count;
+        join(choices_[node.first], choices_[node.first + 1], choice);
         // The number of children on the left stands in the last bits of the cost, so that the least of all is found
         // without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
         std::array<std::uint32_t, width> least;
@@ -112,7 +111,7 @@ class Planner {
         out.most = std::min(left.most + right.most, width - 1);
         choice.set_left(width, least[width - 1] & 7u);
         out[1] = area * options_.node_cost + out[width];
-        if (choice.count <= options_.max_leaf_blocks * leaves_.most) {
+        if (choice.first != scattered && choice.count <= options_.max_leaf_blocks * leaves_.most) {
             const std::uint32_t blocks = leaves_.blocks(choice.first, choice.count);
             const float as_leaf = area * options_.block_cost * float(blocks);
             if (blocks <= options_.max_leaf_blocks && as_leaf <= out[1]) {
@@ -123,6 +122,14 @@ class Planner {
         for (std::uint32_t i = 2; i < width; ++i)
             if (out[i] < out[i - 1]) choice.set_left(i, least[i - 1] & 7u);
             else out[i] = out[i - 1];
+    }
+
+    static void join(const Choice& left, const Choice& right, Choice& out) {
+        out.count = left.count + right.count;
+        out.first = scattered;
+        if (left.first == scattered || right.first == scattered) return;
+        if (left.first + left.count == right.first) out.first = left.first;
+        else if (right.first + right.count == left.first) out.first = right.first;
     }
 
     // The binary nodes that become the children of node n's wide node.
@@ -157,18 +164,16 @@ class Planner {
     // triangle, where one is met soonest. (Measured against the binary tree's order: 1.1 to 1.9 times as fast in
     // rooms.)
     void sort(std::array<std::uint32_t, width>& children, std::uint32_t count) const {
-        std::array<float, width> promises;
+        // Positive floats order like whole numbers; the last bits tell those apart that are as large.
+        std::array<std::uint32_t, width> promises{}, ranks{}, sorted{};
         for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t child = children[i];
-            const float promise = half_area(binary_.nodes[child]) / float(choices_[child].count);
-            std::uint32_t at = i;
-            for (; at > 0 && promises[at - 1] < promise; --at) {
-                promises[at] = promises[at - 1];
-                children[at] = children[at - 1];
-            }
-            promises[at] = promise;
-            children[at] = child;
+            const float promise = half_area(binary_.nodes[children[i]]) / float(choices_[children[i]].count);
+            promises[i] = (std::bit_cast<std::uint32_t>(promise) & ~7u) | (width - 1 - i);
         }
+        for (const std::uint32_t promise : promises)
+            for (std::uint32_t i = 0; i < width; ++i) ranks[i] += promise > promises[i];
+        for (std::uint32_t i = 0; i < count; ++i) sorted[ranks[i]] = children[i];
+        children = sorted;
     }
 
     void place() {
