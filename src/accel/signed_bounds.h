@@ -66,9 +66,17 @@ struct SignedBounds {
 
 #endif
 
+// With anything in the idle lanes.
 inline SignedBounds signed_bounds(const Box& box) {
     const Bounds b = bounds_of(box);
     return {Float4(0.0f) - b.lower, b.upper};
+}
+
+inline SignedBounds signed_bounds(const kernels::Triangle& t) {
+    static_assert(sizeof t == 9 * sizeof(float));
+    const Float4 a = Float4::load_anywhere(&t.a.x), b = Float4::load_anywhere(&t.b.x);
+    const Float4 c = rotated(Float4::load_anywhere(&t.b.z));
+    return {Float4(0.0f) - min(a, min(b, c)), max(a, max(b, c))};
 }
 
 inline glm::vec3 lower_of(SignedBounds b) {
@@ -81,5 +89,10 @@ inline glm::vec3 upper_of(SignedBounds b) {
 }
 inline Float4 extent_of(SignedBounds b) { return b.upper() + b.negated_lower(); }
 inline float half_area(SignedBounds b) { return half_area(extent_of(b)); }  // NaN or infinite if empty
+inline Float4 half_areas(SignedBounds a, SignedBounds b, SignedBounds c, SignedBounds d) {
+    Float4 x = extent_of(a), y = extent_of(b), z = extent_of(c), w = extent_of(d);
+    transpose(x, y, z, w);
+    return x * y + y * z + z * x;
+}
 
 }  // namespace spinel

@@ -17,12 +17,7 @@ void clear(BinCounts& counts, int bins) {
     for (int i = 0; i < bins; ++i) counts[std::size_t(i)].fill(0);
 }
 
-// Half the areas of three boxes, NaN or infinite where one is empty.
-Float4 half_areas(const std::array<SignedBounds, 3>& boxes) {
-    Float4 x = extent_of(boxes[0]), y = extent_of(boxes[1]), z = extent_of(boxes[2]), rest(0.0f);
-    transpose(x, y, z, rest);
-    return x * y + y * z + z * x;
-}
+Float4 half_areas(const std::array<SignedBounds, 3>& b) { return spinel::half_areas(b[0], b[1], b[2], b[2]); }
 
 // Of the planes between bins, the one with the least expected cost, along all axes at once; `begins` counts primitives
 // by the bin that they begin in, from which they go left, and `ends` by the one that they end in.

@@ -75,41 +75,36 @@ class Planner {
   private:
     void choose(std::uint32_t n, std::uint32_t depth, Costs& out) {
         const BvhNode& node = binary_.nodes[n];
-        const float area = half_area(node);
-        Choice& choice = choices_[n];
-        choice.clear();
         if (node.count > 0) {
-            choice.first = node.first;
-            choice.count = node.count;
-            choice.set_leaf();
-            out.most = 1;
-            const float cost = area * options_.block_cost * float(leaves_.blocks(node.first, node.count));
+            const float cost = choose_leaf(n);
             for (std::uint32_t i = 1; i <= width; ++i) out[i] = cost;
+            out.most = 1;
             return;
         }
-        Costs left, right;
-        if (depth < parallel_depth) {
-            parallel_for(2, 1, [&](std::size_t begin, std::size_t end) {
-                if (begin == 0) choose(node.first, depth + 1, left);
-                if (end == 2) choose(node.first + 1, depth + 1, right);
-            });
-        } else {
-            choose(node.first, depth, left);
-            choose(node.first + 1, depth, right);
-        }
-        join(choices_[node.first], choices_[node.first + 1], choice);
-        // The number of children on the left stands in the last bits of the cost, so that the least of all is found
-        // without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
+        // Costs for each i. The number of children on the left stands in the last bits, so that the least of all is
+        // found without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
         std::array<std::uint32_t, width> least;
-        least.fill(~0u);
-        for (std::uint32_t k = 1; k <= left.most; ++k)
-            for (std::uint32_t i = 1; i <= width; ++i) {
-                const float cost = left[k] + right[i - k];
-                least[i - 1] = std::min(least[i - 1], (std::bit_cast<std::uint32_t>(cost) & ~7u) | k);
-            }
+        const auto packed = [](float cost, std::uint32_t left) {
+            return (std::bit_cast<std::uint32_t>(cost) & ~7u) | left;
+        };
+        if (binary_.nodes[node.first].count > 0 && binary_.nodes[node.first + 1].count > 0) {
+            least.fill(packed(choose_leaf(node.first) + choose_leaf(node.first + 1), 1));
+            out.most = 2;
+        } else {
+            Costs left, right;
+            choose_both(node.first, depth, left, right);
+            least.fill(~0u);
+            for (std::uint32_t k = 1; k <= left.most; ++k)
+                for (std::uint32_t i = 1; i <= width; ++i)
+                    least[i - 1] = std::min(least[i - 1], packed(left[k] + right[i - k], k));
+            out.most = std::min(left.most + right.most, width - 1);
+        }
         for (std::uint32_t i = 2; i <= width; ++i) out[i] = std::bit_cast<float>(least[i - 1] & ~7u);
-        out.most = std::min(left.most + right.most, width - 1);
+        Choice& choice = choices_[n];
+        choice.clear();
         choice.set_left(width, least[width - 1] & 7u);
+        const float area = half_area(node);
+        join(choices_[node.first], choices_[node.first + 1], choice);
         out[1] = area * options_.node_cost + out[width];
         if (choice.first != scattered && choice.count <= options_.max_leaf_blocks * leaves_.most) {
             const std::uint32_t blocks = leaves_.blocks(choice.first, choice.count);
@@ -124,6 +119,29 @@ class Planner {
             else out[i] = out[i - 1];
     }
 
+    float choose_leaf(std::uint32_t n) {
+        const BvhNode& node = binary_.nodes[n];
+        Choice& choice = choices_[n];
+        choice.clear();
+        choice.set_leaf();
+        choice.first = node.first;
+        choice.count = node.count;
+        return half_area(node) * options_.block_cost * float(leaves_.blocks(node.first, node.count));
+    }
+
+    void choose_both(std::uint32_t n, std::uint32_t depth, Costs& left, Costs& right) {
+        if (depth >= parallel_depth) {
+            choose(n, depth, left);
+            choose(n + 1, depth, right);
+            return;
+        }
+        parallel_for(2, 1, [&](std::size_t begin, std::size_t end) {
+            if (begin == 0) choose(n, depth + 1, left);
+            if (end == 2) choose(n + 1, depth + 1, right);
+        });
+    }
+
+    // Of a subtree those below both children.
     static void join(const Choice& left, const Choice& right, Choice& out) {
         out.count = left.count + right.count;
         out.first = scattered;
