@@ -136,8 +136,7 @@ class Builder {
         return std::span(bvh_.order).subspan(grain.begin, grain.end - grain.begin);
     }
 
-    void divide_grain(const MortonGrain& grain, std::size_t leaf, std::size_t free, BvhNode& root,
-                      Scratch& scratch) {
+    void divide_grain(const MortonGrain& grain, std::size_t leaf, std::size_t free, BvhNode& root, Scratch& scratch) {
         const auto indices = indices_of(grain);
         SignedBounds all;
         for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -215,9 +214,8 @@ Bvh build_grain_bvh(std::span<const Box> boxes, const GrainBvhOptions& options) 
     return Builder(Boxes(boxes), options).run(std::move(sorted));
 }
 
-WideBvh build_wide_grains(std::span<const Box> boxes, std::span<const kernels::Triangle> triangles,
-                          const WideBvhOptions& options) {
-    MortonGrains sorted = morton_grains(boxes, grain_most);
+WideBvh build_wide_grains(std::span<const kernels::Triangle> triangles, const WideBvhOptions& options) {
+    MortonGrains sorted = morton_grains(triangles, grain_most);
     if (sorted.grains.empty()) return {};
     const GrainBvhOptions grain_options{.leaf = wide_block};
     const auto triangle_count = std::uint32_t(sorted.order.size());

@@ -20,9 +20,8 @@ struct GrainBvhOptions {
 // are left to whoever needs them (bvh_statistics).
 Bvh build_grain_bvh(std::span<const Box> boxes, const GrainBvhOptions& options = {});
 
-// From the boxes of triangles to a wide hierarchy of them: what collapse_bvh() would make of the binary one, but each
+// From triangles to a wide hierarchy: what collapse_bvh() would make of the binary one over their boxes, but each
 // group's blocks are written when its triangles are fetched to divide them, which takes as long as all the rest.
-WideBvh build_wide_grains(std::span<const Box> boxes, std::span<const kernels::Triangle> triangles,
-                          const WideBvhOptions& options = {});
+WideBvh build_wide_grains(std::span<const kernels::Triangle> triangles, const WideBvhOptions& options = {});
 
 }  // namespace spinel

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "accel/float4.h"
+#include "accel/signed_bounds.h"
 #include "core/huge_pages.h"
 #include "core/parallel.h"
 
@@ -23,33 +23,22 @@ constexpr std::uint64_t index_mask = (std::uint64_t(1) << index_bits) - 1;
 constexpr std::size_t chunk = 1 << 16;            // keys that are counted and moved together
 constexpr std::size_t parallel_threshold = 8192;  // keys below which a range is not worth a task
 
+using Lanes = std::uint64_t __attribute__((vector_size(32)));  // one for each axis, and an idle one
+
 // Two places between each of 12 bits.
-std::uint64_t spread(std::uint64_t v) {
+Lanes spread(Lanes v) {
     v = (v | v << 16) & 0xff0000ffu;
     v = (v | v << 8) & 0xf00f00f00fu;
     v = (v | v << 4) & 0xc30c30c30c3u;
     return (v | v << 2) & 0x249249249249u;
 }
 
-// Halved before adding, which could overflow.
-Float4 center_of(const Box& box) {
-    const Bounds b = bounds_of(box);
-    return b.lower * Float4(0.5f) + b.upper * Float4(0.5f);
-}
-
-bool is_usable(const Box& box) {  // false for NaN and ±∞
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    const Bounds b = bounds_of(box);
-    const int finite = less_mask(Float4(-infinity), b.lower) & less_mask(b.upper, Float4(infinity));
-    return (finite & ~less_mask(b.upper, b.lower) & 7) == 7;
-}
-
 // What maps a centre to its place along the curve through a box.
 class Curve {
   public:
-    explicit Curve(const Bounds& range) : offset_(0.0f), scale_(0.0f) {
+    explicit Curve(SignedBounds range) : offset_(0.0f), scale_(0.0f) {
         alignas(16) float scale[4] = {}, offset[4] = {};
-        const auto extent = lanes_of(range.upper - range.lower), from = lanes_of(range.lower);
+        const auto extent = lanes_of(extent_of(range)), from = lanes_of(range.negated_lower());
         for (std::size_t a = 0; a < 3; ++a) {
             const float s = 0.9999f * float(1 << axis_bits) / extent[a];  // a hair less, so that the last is within
             if (!(std::isfinite(s) && s > 0)) continue;                   // the extent is 0, next to 0, or infinite
@@ -59,12 +48,12 @@ class Curve {
         scale_ = Float4::load(scale);
         offset_ = Float4::load(offset);
     }
-    std::uint64_t place(const Box& box) const {
+    std::uint64_t place(SignedBounds center) const {
         alignas(16) int at[4];
-        store_truncated((center_of(box) - offset_) * scale_, at);
-        std::uint64_t code = 0;
-        for (int a = 0; a < 3; ++a) code |= spread(std::uint64_t(std::max(at[a], 0))) << a;
-        return code;
+        store_truncated((offset_ - center.negated_lower()) * scale_, at);
+        const auto axis = [&](int a) { return std::uint64_t(std::max(at[a], 0)); };
+        const Lanes code = spread(Lanes{axis(0), axis(1), axis(2), 0}) << Lanes{0, 1, 2, 0};
+        return code[0] | code[1] | code[2];
     }
 
   private:
@@ -105,10 +94,11 @@ void sort_keys(HugeVector<std::uint64_t>& keys) {
 }
 
 // Of the boxes that are finite and ordered, sorted.
-HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
+template <class Primitives>
+HugeVector<std::uint64_t> sorted_keys(const Primitives& boxes) {
     const std::size_t chunks = (boxes.size() + chunk - 1) / chunk;
     struct Part {
-        Bounds centers;
+        SignedBounds centers;
         std::size_t usable = 0;
     };
     std::vector<Part> parts(chunks);
@@ -120,12 +110,13 @@ HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
     };
     in_chunks([&](Part& part, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!is_usable(boxes[i])) continue;
-            part.centers.extend(center_of(boxes[i]));
+            const SignedBounds box = signed_bounds(boxes[i]);
+            if (!is_usable(box)) continue;
+            part.centers.extend(box.center());
             ++part.usable;
         }
     });
-    Bounds centers;
+    SignedBounds centers;
     std::size_t count = 0;
     for (Part& part : parts) {
         centers.extend(part.centers);
@@ -136,8 +127,10 @@ HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
     HugeVector<std::uint64_t> keys(count);
     const Curve curve(centers);
     in_chunks([&](Part& part, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (is_usable(boxes[i])) keys[part.usable++] = curve.place(boxes[i]) << index_bits | i;
+        for (std::size_t i = begin; i < end; ++i) {
+            const SignedBounds box = signed_bounds(boxes[i]);
+            if (is_usable(box)) keys[part.usable++] = curve.place(box.center()) << index_bits | i;
+        }
     });
     sort_keys(keys);
     return keys;
@@ -146,9 +139,10 @@ HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
 std::uint64_t code_of(std::uint64_t key) { return key >> index_bits; }
 
 // Cuts ranges where the bits of their codes say until few are left.
+template <class Primitives>
 class Cutter {
   public:
-    Cutter(std::span<const Box> boxes, HugeVector<std::uint64_t>& keys, std::uint32_t most)
+    Cutter(const Primitives& boxes, HugeVector<std::uint64_t>& keys, std::uint32_t most)
         : boxes_(boxes), keys_(keys), most_(most) {}
 
     // Adds the grains of a range in order. A range of equal codes, a small thing in a large scene, is sorted along a
@@ -188,21 +182,21 @@ class Cutter {
   private:
     void zoom(std::size_t begin, std::size_t end) {
         const auto run = std::span(keys_).subspan(begin, end - begin);
-        Bounds centers;
-        for (const std::uint64_t key : run) centers.extend(center_of(boxes_[key & index_mask]));
+        const auto center = [&](std::uint64_t key) { return signed_bounds(boxes_[key & index_mask]).center(); };
+        SignedBounds centers;
+        for (const std::uint64_t key : run) centers.extend(center(key));
         const Curve curve(centers);
-        for (std::uint64_t& key : run) key = curve.place(boxes_[key & index_mask]) << index_bits | (key & index_mask);
+        for (std::uint64_t& key : run) key = curve.place(center(key)) << index_bits | (key & index_mask);
         std::sort(run.begin(), run.end());
     }
 
-    std::span<const Box> boxes_;
+    const Primitives& boxes_;
     HugeVector<std::uint64_t>& keys_;
     std::uint32_t most_;
 };
 
-}  // namespace
-
-MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most) {
+template <class Primitives>
+MortonGrains grains_of(const Primitives& boxes, std::uint32_t most) {
     assert(most >= 1 && boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
     HugeVector<std::uint64_t> keys = sorted_keys(boxes);
     MortonGrains out;
@@ -213,6 +207,13 @@ MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most) {
         for (std::size_t i = begin; i < end; ++i) out.order[i] = std::uint32_t(keys[i] & index_mask);
     });
     return out;
+}
+
+}  // namespace
+
+MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most) { return grains_of(boxes, most); }
+MortonGrains morton_grains(std::span<const kernels::Triangle> triangles, std::uint32_t most) {
+    return grains_of(triangles, most);
 }
 
 }  // namespace spinel

@@ -88,6 +88,12 @@ inline glm::vec3 upper_of(SignedBounds b) {
     return {l[0], l[1], l[2]};
 }
 inline Float4 extent_of(SignedBounds b) { return b.upper() + b.negated_lower(); }
+// Whether it is finite and ordered; false for NaN.
+inline bool is_usable(SignedBounds b) {
+    const Float4 infinity(std::numeric_limits<float>::infinity());
+    const int finite = less_mask(b.negated_lower(), infinity) & less_mask(b.upper(), infinity);
+    return (finite & ~less_mask(extent_of(b), Float4(0.0f)) & 7) == 7;
+}
 inline float half_area(SignedBounds b) { return half_area(extent_of(b)); }  // NaN or infinite if empty
 inline Float4 half_areas(SignedBounds a, SignedBounds b, SignedBounds c, SignedBounds d) {
     Float4 x = extent_of(a), y = extent_of(b), z = extent_of(c), w = extent_of(d);

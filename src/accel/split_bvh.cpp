@@ -54,8 +54,9 @@ class Builder {
         const std::size_t count = record.references.size();
         if (count <= options_.min_leaf) return make_leaf(node, record);
         // As many levels as halving needs are kept in reserve, which bounds the
-        // depth whatever the input.
-        const bool balance = record.depth + ceil_log2(count) >= options_.max_depth;
+        // depth whatever the input. Two that may not share a leaf are halved too.
+        const bool balance =
+            record.depth + ceil_log2(count) >= options_.max_depth || (count == 2 && options_.max_leaf == 1);
         Plane plane;
         if (!balance) plane = best_plane(record);
         const float leaf_cost = blocks(count);
@@ -294,12 +295,9 @@ Bvh build_split_bvh(std::span<const Box> boxes, const SplitBvhOptions& options, 
     references.reserve(boxes.size());
     Record root;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-        const glm::vec3 lower = boxes[i].lower, upper = boxes[i].upper;
-        bool usable = true;
-        for (int axis = 0; axis < 3; ++axis)
-            usable = usable && std::isfinite(lower[axis]) && std::isfinite(upper[axis]) && lower[axis] <= upper[axis];
-        if (!usable) continue;
-        references.emplace_back(signed_bounds(boxes[i]), std::uint32_t(i));
+        const SignedBounds bounds = signed_bounds(boxes[i]);
+        if (!is_usable(bounds)) continue;
+        references.emplace_back(bounds, std::uint32_t(i));
         root.extend(references.back());
     }
     if (references.empty()) return {};

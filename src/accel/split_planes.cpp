@@ -26,8 +26,7 @@ Plane least_cost(const Record& record, const SplitBvhOptions& options, int bins,
     const int block_bits = std::countr_zero(options.block);
     const auto blocks = [&](const std::array<std::int32_t, 4>& counts) {
         alignas(16) std::array<float, 4> out;
-        for (std::size_t a = 0; a < 4; ++a)
-            out[a] = float((counts[a] + std::int32_t(options.block) - 1) >> block_bits);
+        for (std::size_t a = 0; a < 4; ++a) out[a] = float((counts[a] + std::int32_t(options.block) - 1) >> block_bits);
         return Float4::load(out.data());
     };
     const auto add = [](std::array<std::int32_t, 4>& sum, const std::array<std::int32_t, 4>& counts) {

@@ -96,7 +96,8 @@ class Writer {
             put_reference(blocks > 0 ? blocks << 28 | block : units_[node.nodes[i]], i, units);
             const auto leaf = std::span(binary_.order).subspan(node.firsts[i], node.counts[i]);
             for (std::size_t first = 0; first < leaf.size(); first += block_size, block += kernels::WIDE_BLOCK_UNITS)
-                write_wide_block(triangles_, leaf.subspan(first, std::min<std::size_t>(block_size, leaf.size() - first)),
+                write_wide_block(triangles_,
+                                 leaf.subspan(first, std::min<std::size_t>(block_size, leaf.size() - first)),
                                  out_.units[block].lanes);
         }
     }
@@ -156,7 +157,8 @@ WideBvh collapse_blocks(const Bvh& binary, WideBlocks blocks, const WideBvhOptio
     const WidePlan plan = plan_wide_bvh(binary, options, leaves);
     WideBvh out;
     out.units = std::move(blocks.units_);
-    const std::size_t behind = out.units.size() - kernels::WIDE_NODE_UNITS;  // where the root would stand, next to others
+    const std::size_t behind =
+        out.units.size() - kernels::WIDE_NODE_UNITS;  // where the root would stand, next to others
     const auto unit_of = [&](std::size_t node) {
         return node == 0 ? 0 : std::uint32_t(behind + node * kernels::WIDE_NODE_UNITS);
     };

@@ -114,9 +114,11 @@ class Planner {
                 out[1] = as_leaf;
             }
         }
-        for (std::uint32_t i = 2; i < width; ++i)
-            if (out[i] < out[i - 1]) choice.set_left(i, least[i - 1] & 7u);
-            else out[i] = out[i - 1];
+        for (std::uint32_t i = 2; i < width; ++i) {
+            const bool less = out[i] < out[i - 1];
+            choice.set_left(i, less ? least[i - 1] & 7u : 0u);
+            out[i] = less ? out[i] : out[i - 1];
+        }
     }
 
     float choose_leaf(std::uint32_t n) {

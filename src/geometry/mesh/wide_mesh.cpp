@@ -71,7 +71,7 @@ void clip_triangle(const kernels::Triangle& triangle, const Box& box, int axis, 
 
 namespace {
 
-HugeVector<Box> boxes_of(std::span<const kernels::Triangle> triangles) {
+Bvh build_binary(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
     HugeVector<Box> boxes(triangles.size());
     parallel_for(triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -79,11 +79,6 @@ HugeVector<Box> boxes_of(std::span<const kernels::Triangle> triangles) {
             boxes[i] = {glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))};
         }
     });
-    return boxes;
-}
-
-Bvh build_binary(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
-    const HugeVector<Box> boxes = boxes_of(triangles);
     if (preset.grains) return build_grain_bvh(boxes);
     return build_split_bvh(boxes, preset.binary,
                            [&](std::uint32_t triangle, const Box& box, int axis, float plane, Box& below, Box& above) {
@@ -94,7 +89,7 @@ Bvh build_binary(std::span<const kernels::Triangle> triangles, const WidePreset&
 }  // namespace
 
 WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
-    if (preset.grains) return build_wide_grains(boxes_of(triangles), triangles, preset.wide);
+    if (preset.grains) return build_wide_grains(triangles, preset.wide);
     return collapse_bvh(build_binary(triangles, preset), triangles, preset.wide);
 }
 
