@@ -59,6 +59,7 @@ inline float half_area(Float4 e) {
 struct alignas(16) Float4 {
     std::array<float, 4> v;
 
+    Float4() = default;  // of any value
     explicit Float4(float x) : v{x, x, x, x} {}
     explicit Float4(glm::vec3 x) : v{x.x, x.y, x.z, 0} {}
     explicit Float4(std::array<float, 4> x) : v(x) {}

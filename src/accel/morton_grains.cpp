@@ -23,10 +23,8 @@ constexpr std::uint64_t index_mask = (std::uint64_t(1) << index_bits) - 1;
 constexpr std::size_t chunk = 1 << 16;            // keys that are counted and moved together
 constexpr std::size_t parallel_threshold = 8192;  // keys below which a range is not worth a task
 
-using Lanes = std::uint64_t __attribute__((vector_size(32)));  // one for each axis, and an idle one
-
 // Two places between each of 12 bits.
-Lanes spread(Lanes v) {
+std::uint64_t spread(std::uint64_t v) {
     v = (v | v << 16) & 0xff0000ffu;
     v = (v | v << 8) & 0xf00f00f00fu;
     v = (v | v << 4) & 0xc30c30c30c3u;
@@ -51,9 +49,9 @@ class Curve {
     std::uint64_t place(SignedBounds center) const {
         alignas(16) int at[4];
         store_truncated((offset_ - center.negated_lower()) * scale_, at);
-        const auto axis = [&](int a) { return std::uint64_t(std::max(at[a], 0)); };
-        const Lanes code = spread(Lanes{axis(0), axis(1), axis(2), 0}) << Lanes{0, 1, 2, 0};
-        return code[0] | code[1] | code[2];
+        std::uint64_t code = 0;
+        for (int a = 0; a < 3; ++a) code |= spread(std::uint64_t(std::max(at[a], 0))) << a;
+        return code;
     }
 
   private:
