@@ -1,8 +1,6 @@
 #include "accel/grain_bvh.h"
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <limits>
 #include <vector>

@@ -1,13 +1,10 @@
 #include "accel/split_bvh.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
 #include <cassert>
-#include <cmath>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "accel/split_planes.h"
