@@ -1,0 +1,151 @@
+#pragma once
+// Rays of a packet (mesh_packet_avx2.cpp) against a block of four triangles: all eight against one triangle after the
+// other, or, if few are left, two of them against all four at a time. In the operations of the walk of one ray.
+
+#include <utility>
+
+#include "devices/cpu/mesh_packet_avx2.h"
+
+#ifdef SPINEL_AVX2
+SPINEL_AVX2_BEGIN
+
+namespace spinel::wide {
+
+// The nearest hits so far.
+struct Nearest {
+    alignas(32) float t[8], u[8], v[8];
+    alignas(32) std::uint32_t triangle[8];  // 0 as long as there is none: at t_max itself nothing is nearer then
+    alignas(32) std::uint32_t place[8];     // four times the unit at which the block begins, and the lane in it
+    unsigned found;
+};
+
+// wide::hit_triangles() in columns. `row` tells of where a row of the block stands the part that the lanes want.
+template <class Row>
+SPINEL_INLINE LaneHits hit_columns(const float* block, const Packet& p, const ShearColumns& s, unsigned asked,
+                                   __m256 t_max, const Row& row) {
+    const float *const px = block + p.x, *const py = block + p.y, *const pz = block + p.z;
+    const __m256 az = _mm256_sub_ps(row(pz), s.origin_z);
+    const __m256 bz = _mm256_sub_ps(row(pz + 12), s.origin_z);
+    const __m256 cz = _mm256_sub_ps(row(pz + 24), s.origin_z);
+    const __m256 ax = _mm256_fmadd_ps(s.shear_x, az, _mm256_sub_ps(row(px), s.origin_x));
+    const __m256 bx = _mm256_fmadd_ps(s.shear_x, bz, _mm256_sub_ps(row(px + 12), s.origin_x));
+    const __m256 cx = _mm256_fmadd_ps(s.shear_x, cz, _mm256_sub_ps(row(px + 24), s.origin_x));
+    const __m256 ay = _mm256_fmadd_ps(s.shear_y, az, _mm256_sub_ps(row(py), s.origin_y));
+    const __m256 by = _mm256_fmadd_ps(s.shear_y, bz, _mm256_sub_ps(row(py + 12), s.origin_y));
+    const __m256 cy = _mm256_fmadd_ps(s.shear_y, cz, _mm256_sub_ps(row(py + 24), s.origin_y));
+    const auto heights = [&]() __attribute__((always_inline)) {
+        return Heights{_mm256_mul_ps(s.shear_z, az), _mm256_mul_ps(s.shear_z, bz), _mm256_mul_ps(s.shear_z, cz)};
+    };
+    return hit_lanes(ax, ay, bx, by, cx, cy, asked, heights, s.t_min, t_max);
+}
+
+SPINEL_INLINE void replace(float* at, __m256 value, __m256 where) {
+    _mm256_store_ps(at, _mm256_blendv_ps(_mm256_load_ps(at), value, where));
+}
+SPINEL_INLINE void replace(std::uint32_t* at, std::uint32_t value, __m256 where) {
+    replace(reinterpret_cast<float*>(at), float_columns(_mm256_set1_epi32(int(value))), where);
+}
+
+// All rays of `lanes` against one triangle after the other; returns those that met something, or something nearer.
+template <bool any>
+SPINEL_INLINE unsigned test_each_triangle(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
+                                          Nearest& best) {
+    const auto row = [](const float* at) __attribute__((always_inline)) { return _mm256_broadcast_ss(at); };
+    unsigned met = 0;
+    for (int i = 0; i < 4; ++i) {
+        const auto triangle = std::bit_cast<std::uint32_t>(block[36 + i]);
+        if (i > 0 && triangle == std::bit_cast<std::uint32_t>(block[35 + i])) break;  // the rest repeats the last
+        const __m256 t_max = _mm256_load_ps(best.t);
+        const LaneHits hits = hit_columns(block + i, p, p.shear, lanes, t_max, row);
+        if (!hits.lanes) continue;
+        if constexpr (any) {
+            met |= hits.lanes & lanes_of(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ));
+            lanes &= ~met;
+            if (!lanes) break;
+        } else {
+            // (Indices are below 2³¹.)
+            const __m256i known = _mm256_load_si256(reinterpret_cast<const __m256i*>(best.triangle));
+            const __m256 before = float_columns(_mm256_cmpgt_epi32(known, _mm256_set1_epi32(int(triangle))));
+            const __m256 equal = _mm256_cmp_ps(hits.t, t_max, _CMP_EQ_OQ);
+            const __m256 nearer = _mm256_and_ps(
+                float_columns(lane_mask(hits.lanes)),
+                _mm256_or_ps(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ), _mm256_and_ps(equal, before)));
+            replace(best.t, hits.t, nearer);
+            replace(best.u, hits.u, nearer);
+            replace(best.v, hits.v, nearer);
+            replace(best.triangle, triangle, nearer);
+            replace(best.place, 4 * unit + std::uint32_t(i), nearer);
+            met |= lanes_of(nearer);
+        }
+    }
+    return met;
+}
+
+// Two rays of `lanes` at a time against all four triangles.
+template <bool any>
+SPINEL_INLINE unsigned test_pairs(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
+                                  Nearest& best) {
+    const auto row = [](const float* at) __attribute__((always_inline)) {
+        return _mm256_broadcast_ps(reinterpret_cast<const __m128*>(at));
+    };
+    unsigned met = 0;
+    while (lanes) {
+        const int ray[2] = {std::countr_zero(lanes), 31 - std::countl_zero(lanes)};
+        lanes &= ~(1u << ray[0] | 1u << ray[1]);
+        const __m256i order = _mm256_set_m128i(_mm_set1_epi32(ray[1]), _mm_set1_epi32(ray[0]));
+        const auto of = [&](__m256 column) __attribute__((always_inline)) {
+            return _mm256_permutevar8x32_ps(column, order);
+        };
+        const ShearColumns& s = p.shear;
+        const ShearColumns pair = {of(s.origin_x), of(s.origin_y), of(s.origin_z), of(s.shear_x),
+                                   of(s.shear_y),  of(s.shear_z),  of(s.t_min)};
+        const __m256 t_max = of(_mm256_load_ps(best.t));
+        const LaneHits hits = hit_columns(block, p, pair, ray[0] == ray[1] ? 0x0fu : 0xffu, t_max, row);
+        unsigned rest = hits.lanes;
+        if (!rest) continue;
+        if constexpr (any) {
+            rest &= lanes_of(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ));
+            met |= unsigned((rest & 0x0f) != 0) << ray[0] | unsigned((rest & 0xf0) != 0) << ray[1];
+        } else {
+            alignas(32) float t[8], u[8], v[8];
+            _mm256_store_ps(t, hits.t);
+            _mm256_store_ps(u, hits.u);
+            _mm256_store_ps(v, hits.v);
+            for (; rest; rest &= rest - 1) {
+                const int i = std::countr_zero(rest), k = ray[i >> 2];
+                const auto triangle = std::bit_cast<std::uint32_t>(block[36 + (i & 3)]);
+                if (!(t[i] < best.t[k]) && !(t[i] == best.t[k] && triangle < best.triangle[k])) continue;
+                best.t[k] = t[i];
+                best.u[k] = u[i];
+                best.v[k] = v[i];
+                best.triangle[k] = triangle;
+                best.place[k] = 4 * unit + std::uint32_t(i & 3);
+                met |= 1u << k;
+            }
+        }
+    }
+    return met;
+}
+
+// Blocks are full, nearly: of more rays than this, pairs would be as many tests as there are triangles.
+constexpr int pairs_up_to = 4;
+
+// Rays of `lanes` against the blocks of a leaf; returns those that met something, or something nearer.
+template <bool any>
+SPINEL_INLINE unsigned test_leaf(const kernels::WideUnit* units, std::uint32_t reference, const Packet& p,
+                                 unsigned lanes, Nearest& best) {
+    unsigned met = 0;
+    std::uint32_t unit = reference & unit_mask;
+    for (std::uint32_t blocks = reference >> reference_bits; blocks; --blocks, unit += kernels::WIDE_BLOCK_UNITS) {
+        const float* const block = units[unit].lanes;
+        if (std::popcount(lanes) > pairs_up_to) met |= test_each_triangle<any>(block, unit, p, lanes, best);
+        else met |= test_pairs<any>(block, unit, p, lanes, best);
+        if constexpr (any) lanes &= ~met;
+    }
+    return met;
+}
+
+}  // namespace spinel::wide
+
+SPINEL_AVX2_END
+#endif
