@@ -7,7 +7,7 @@
 // Below nodes that few rays meet those go on alone. Boxes decide only what is looked at, triangles are tested by the
 // operations of the walk of one ray: so the answer is its answer, bit for bit.
 
-#include <algorithm>
+#include <cstddef>
 
 #include "devices/cpu/mesh_packet_block_avx2.h"
 
@@ -15,49 +15,14 @@
 SPINEL_AVX2_BEGIN
 
 namespace spinel {
+
+WideHit wide_closest_avx2(const WideMesh& mesh, const kernels::Ray& ray);  // mesh_walk_avx2.cpp
+bool wide_any_avx2(const WideMesh& mesh, const kernels::Ray& ray);
+
 namespace {
 
 using kernels::Ray;
 using namespace wide;
-
-constexpr int few = 1;  // rays that go on alone
-
-// Ray i goes on alone.
-template <bool any>
-SPINEL_INLINE bool walk_alone(const WideMesh& mesh, const Slabs& slabs, const Shear& shear, std::uint32_t reference,
-                              int i, Nearest& best) {
-    Best one = {best.t[i], best.u[i], best.v[i], best.triangle[i], false};
-    if (!walk<Gathered, any>(mesh.units, slabs, shear, reference, one)) return false;
-    best.t[i] = one.t;
-    best.u[i] = one.u;
-    best.v[i] = one.v;
-    best.triangle[i] = one.triangle;
-    best.place[i] = 4 * std::uint32_t(reinterpret_cast<const kernels::WideUnit*>(one.block) - mesh.units) +
-                    std::uint32_t(one.lane);
-    return true;
-}
-
-SPINEL_INLINE __m256 all_lanes_as(const __m256& column, int i) {
-    return _mm256_broadcast_ss(reinterpret_cast<const float*>(&column) + i);
-}
-
-// Ray i of the packet alone, with what the packet has worked out for it.
-template <bool any>
-SPINEL_INLINE bool walk_alone(const WideMesh& mesh, const Packet& p, std::uint32_t reference, int i, Nearest& best) {
-    const auto axis = [&](const PacketAxis& a) __attribute__((always_inline)) {
-        return SlabAxis{all_lanes_as(a.inverse, i), all_lanes_as(a.near_offset, i), all_lanes_as(a.far_offset, i),
-                        a.near_row, a.far_row};
-    };
-    const auto four = [&](const __m256& column) __attribute__((always_inline)) {
-        return _mm256_castps256_ps128(all_lanes_as(column, i));
-    };
-    const ShearColumns& s = p.shear;
-    return walk_alone<any>(
-        mesh, {axis(p.axes[0]), axis(p.axes[1]), axis(p.axes[2]), all_lanes_as(s.t_min, i)},
-        {four(s.origin_x), four(s.origin_y), four(s.origin_z), four(s.shear_x), four(s.shear_y), four(s.shear_z), p.x,
-         p.y, p.z},
-        reference, i, best);
-}
 
 // A child still to visit, by the rays that meet its box.
 struct Entry {
@@ -67,7 +32,7 @@ struct Entry {
 };
 
 // Of any hit, rays that have met something ask no more.
-template <bool any>
+template <bool any, unsigned octant>
 SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned asking, Nearest& best) {
     const kernels::WideUnit* const units = mesh.units;
     __m256 t_max = _mm256_load_ps(best.t), last_t_max = greatest(t_max);
@@ -77,18 +42,13 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned
     unsigned lanes = asking;
     for (;;) {
         unsigned met = 0;
-        if (std::popcount(lanes) <= few) {
-            for (unsigned rest = lanes; rest; rest &= rest - 1) {
-                const int i = std::countr_zero(rest);
-                met |= unsigned(walk_alone<any>(mesh, p, reference, i, best)) << i;
-            }
-        } else if (reference > unit_mask) {
+        if (reference > unit_mask) {
             met = test_leaf<any>(units, reference, p, lanes, best);
         } else {
             const float* const node = units[reference].lanes;
             const std::uint32_t* const references = references_of(node);
             __m256 enter;
-            unsigned hit = frustum_boxes(node, p, last_t_max, enter);
+            unsigned hit = frustum_boxes<octant>(node, p, last_t_max, enter);
             if (hit) {
                 alignas(32) float enters[8];
                 _mm256_store_ps(enters, enter);
@@ -97,7 +57,7 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned
                     // Of any hit the most promising children stand first (accel/wide_bvh.cpp), so that they come last.
                     const int i = any ? 31 - std::countl_zero(hit) : std::countr_zero(hit);
                     hit &= ~(1u << i);
-                    const unsigned inside = rays_in_box(node, i, p, t_max) & lanes;
+                    const unsigned inside = rays_in_box<octant>(node, i, p, t_max) & lanes;
                     if (!inside) continue;
                     prefetch(units, references[i]);
                     Entry* at = top++;
@@ -134,41 +94,89 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned
 }
 
 template <bool any>
-SPINEL_INLINE void walk8(const WideMesh& mesh, const Ray* rays, unsigned lanes, Nearest& best) {
-    best.found = 0;
-    if (!lanes) return;
-    Ray filled[packet_size];
-    if (lanes != 255) {  // rays that are not asked for repeat one that is
-        for (int i = 0; i < packet_size; ++i) filled[i] = rays[lanes >> i & 1 ? i : std::countr_zero(lanes)];
-        rays = filled;
+SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned asking, Nearest& best) {
+    switch (p.octant) {
+        case 0: return walk_together<any, 0>(mesh, p, asking, best);
+        case 1: return walk_together<any, 1>(mesh, p, asking, best);
+        case 2: return walk_together<any, 2>(mesh, p, asking, best);
+        case 3: return walk_together<any, 3>(mesh, p, asking, best);
+        case 4: return walk_together<any, 4>(mesh, p, asking, best);
+        case 5: return walk_together<any, 5>(mesh, p, asking, best);
+        case 6: return walk_together<any, 6>(mesh, p, asking, best);
+        default: return walk_together<any, 7>(mesh, p, asking, best);
     }
-    for (int i = 0; i < 8; ++i) best.t[i] = rays[i].t_max;
-    std::fill_n(best.triangle, 8, 0u);
-    Packet packet;
-    if (std::popcount(lanes) > few && make_packet(mesh, rays, packet))
-        return walk_together<any>(mesh, packet, lanes, best);
-    for (unsigned rest = lanes; rest; rest &= rest - 1) {
-        const int i = std::countr_zero(rest);
-        best.found |= unsigned(walk_alone<any>(mesh, make_slabs(mesh, rays[i]), make_shear(rays[i]), 0, i, best)) << i;
+}
+
+// Rays that are not asked for repeat one that is.
+SPINEL_INLINE RayColumns asked_columns(const Ray* rays, unsigned lanes) {
+    if (lanes == 255) return ray_columns(rays);
+    Ray filled[packet_size];
+    for (int i = 0; i < packet_size; ++i) filled[i] = rays[lanes >> i & 1 ? i : std::countr_zero(lanes)];
+    return ray_columns(filled);
+}
+
+// Hits 0 to 7 as they are told: four numbers of each, then where it stands.
+SPINEL_INLINE void write_hits(const kernels::WideUnit* units, const Nearest& best, WideHit* hits) {
+    static_assert(sizeof(WideHit) == 32 && offsetof(WideHit, block) == 16 && offsetof(WideHit, lane) == 24);
+    const __m256 found = float_columns(lane_mask(best.found));
+    const __m256 none = float_columns(_mm256_set1_epi32(int(kernels::NONE)));
+    const __m256 t = _mm256_load_ps(best.t), u = _mm256_load_ps(best.u), v = _mm256_load_ps(best.v);
+    const __m256 triangle =
+        _mm256_blendv_ps(none, _mm256_load_ps(reinterpret_cast<const float*>(best.triangle)), found);
+    const __m256 tu_low = _mm256_unpacklo_ps(t, u), tu_high = _mm256_unpackhi_ps(t, u);
+    const __m256 vi_low = _mm256_unpacklo_ps(v, triangle), vi_high = _mm256_unpackhi_ps(v, triangle);
+    const __m256 rows[4] = {_mm256_shuffle_ps(tu_low, vi_low, _MM_SHUFFLE(1, 0, 1, 0)),
+                            _mm256_shuffle_ps(tu_low, vi_low, _MM_SHUFFLE(3, 2, 3, 2)),
+                            _mm256_shuffle_ps(tu_high, vi_high, _MM_SHUFFLE(1, 0, 1, 0)),
+                            _mm256_shuffle_ps(tu_high, vi_high, _MM_SHUFFLE(3, 2, 3, 2))};
+    for (int i = 0; i < 4; ++i) {
+        _mm_storeu_ps(&hits[i].t, _mm256_castps256_ps128(rows[i]));
+        _mm_storeu_ps(&hits[i + 4].t, _mm256_extractf128_ps(rows[i], 1));
+    }
+    for (int i = 0; i < packet_size; ++i) {
+        hits[i].block = best.found >> i & 1 ? units[best.place[i] >> 2].lanes : nullptr;
+        hits[i].lane = int(best.place[i] & 3);
     }
 }
 
 }  // namespace
 
 void wide_closest8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes, WideHit* hits) {
-    Nearest best;
-    walk8<false>(mesh, rays, lanes, best);
-    for (unsigned rest = lanes; rest; rest &= rest - 1) {
-        const int i = std::countr_zero(rest);
-        if (best.found >> i & 1)
-            hits[i] = {best.t[i], best.u[i], best.v[i], best.triangle[i], mesh.units[best.place[i] >> 2].lanes, int(best.place[i] & 3)};
-        else hits[i] = {rays[i].t_max, 0, 0, kernels::NONE};
+    if (!lanes) return;
+    const RayColumns ray = asked_columns(rays, lanes);
+    Packet packet;
+    if (!make_packet(mesh, ray, packet)) {
+        for (unsigned rest = lanes; rest; rest &= rest - 1) {
+            const int i = std::countr_zero(rest);
+            hits[i] = wide_closest_avx2(mesh, rays[i]);
+        }
+        return;
     }
+    Nearest best = {};
+    _mm256_store_ps(best.t, ray.t_max);
+    walk_together<false>(mesh, packet, lanes, best);
+    if (lanes == 255) return write_hits(mesh.units, best, hits);
+    WideHit all[packet_size];
+    write_hits(mesh.units, best, all);
+    for (unsigned rest = lanes; rest; rest &= rest - 1) hits[std::countr_zero(rest)] = all[std::countr_zero(rest)];
 }
 
 unsigned wide_any8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes) {
+    if (!lanes) return 0;
+    const RayColumns ray = asked_columns(rays, lanes);
+    Packet packet;
+    if (!make_packet(mesh, ray, packet)) {
+        unsigned found = 0;
+        for (unsigned rest = lanes; rest; rest &= rest - 1) {
+            const int i = std::countr_zero(rest);
+            found |= unsigned(wide_any_avx2(mesh, rays[i])) << i;
+        }
+        return found;
+    }
     Nearest best;
-    walk8<true>(mesh, rays, lanes, best);
+    best.found = 0;
+    _mm256_store_ps(best.t, ray.t_max);
+    walk_together<true>(mesh, packet, lanes, best);
     return best.found;
 }
 

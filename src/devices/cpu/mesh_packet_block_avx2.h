@@ -2,8 +2,6 @@
 // Rays of a packet (mesh_packet_avx2.cpp) against a block of four triangles: all eight against one triangle after the
 // other, or, if few are left, two of them against all four at a time. In the operations of the walk of one ray.
 
-#include <utility>
-
 #include "devices/cpu/mesh_packet_avx2.h"
 
 #ifdef SPINEL_AVX2
@@ -48,7 +46,7 @@ SPINEL_INLINE void replace(std::uint32_t* at, std::uint32_t value, __m256 where)
 
 // All rays of `lanes` against one triangle after the other; returns those that met something, or something nearer.
 template <bool any>
-SPINEL_INLINE unsigned test_each_triangle(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
+SPINEL_INLINE unsigned test_block(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
                                           Nearest& best) {
     const auto row = [](const float* at) __attribute__((always_inline)) { return _mm256_broadcast_ss(at); };
     unsigned met = 0;
@@ -81,55 +79,6 @@ SPINEL_INLINE unsigned test_each_triangle(const float* block, std::uint32_t unit
     return met;
 }
 
-// Two rays of `lanes` at a time against all four triangles.
-template <bool any>
-SPINEL_INLINE unsigned test_pairs(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
-                                  Nearest& best) {
-    const auto row = [](const float* at) __attribute__((always_inline)) {
-        return _mm256_broadcast_ps(reinterpret_cast<const __m128*>(at));
-    };
-    unsigned met = 0;
-    while (lanes) {
-        const int ray[2] = {std::countr_zero(lanes), 31 - std::countl_zero(lanes)};
-        lanes &= ~(1u << ray[0] | 1u << ray[1]);
-        const __m256i order = _mm256_set_m128i(_mm_set1_epi32(ray[1]), _mm_set1_epi32(ray[0]));
-        const auto of = [&](__m256 column) __attribute__((always_inline)) {
-            return _mm256_permutevar8x32_ps(column, order);
-        };
-        const ShearColumns& s = p.shear;
-        const ShearColumns pair = {of(s.origin_x), of(s.origin_y), of(s.origin_z), of(s.shear_x),
-                                   of(s.shear_y),  of(s.shear_z),  of(s.t_min)};
-        const __m256 t_max = of(_mm256_load_ps(best.t));
-        const LaneHits hits = hit_columns(block, p, pair, ray[0] == ray[1] ? 0x0fu : 0xffu, t_max, row);
-        unsigned rest = hits.lanes;
-        if (!rest) continue;
-        if constexpr (any) {
-            rest &= lanes_of(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ));
-            met |= unsigned((rest & 0x0f) != 0) << ray[0] | unsigned((rest & 0xf0) != 0) << ray[1];
-        } else {
-            alignas(32) float t[8], u[8], v[8];
-            _mm256_store_ps(t, hits.t);
-            _mm256_store_ps(u, hits.u);
-            _mm256_store_ps(v, hits.v);
-            for (; rest; rest &= rest - 1) {
-                const int i = std::countr_zero(rest), k = ray[i >> 2];
-                const auto triangle = std::bit_cast<std::uint32_t>(block[36 + (i & 3)]);
-                if (!(t[i] < best.t[k]) && !(t[i] == best.t[k] && triangle < best.triangle[k])) continue;
-                best.t[k] = t[i];
-                best.u[k] = u[i];
-                best.v[k] = v[i];
-                best.triangle[k] = triangle;
-                best.place[k] = 4 * unit + std::uint32_t(i & 3);
-                met |= 1u << k;
-            }
-        }
-    }
-    return met;
-}
-
-// Blocks are full, nearly: of more rays than this, pairs would be as many tests as there are triangles.
-constexpr int pairs_up_to = 4;
-
 // Rays of `lanes` against the blocks of a leaf; returns those that met something, or something nearer.
 template <bool any>
 SPINEL_INLINE unsigned test_leaf(const kernels::WideUnit* units, std::uint32_t reference, const Packet& p,
@@ -138,8 +87,7 @@ SPINEL_INLINE unsigned test_leaf(const kernels::WideUnit* units, std::uint32_t r
     std::uint32_t unit = reference & unit_mask;
     for (std::uint32_t blocks = reference >> reference_bits; blocks; --blocks, unit += kernels::WIDE_BLOCK_UNITS) {
         const float* const block = units[unit].lanes;
-        if (std::popcount(lanes) > pairs_up_to) met |= test_each_triangle<any>(block, unit, p, lanes, best);
-        else met |= test_pairs<any>(block, unit, p, lanes, best);
+        met |= test_block<any>(block, unit, p, lanes, best);
         if constexpr (any) lanes &= ~met;
     }
     return met;
