@@ -3,13 +3,17 @@
 //
 // A node's eight boxes are asked at once about the frustum that holds all rays (bounds of where they enter and leave by
 // interval arithmetic, as Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005), and of the
-// boxes that it meets each about the eight rays at once. Blocks of four triangles are tested by two rays at a time.
-// Below nodes that few rays meet those go on alone. Boxes decide only what is looked at, triangles are tested by the
-// operations of the walk of one ray: so the answer is its answer, bit for bit.
+// boxes that it meets each about the eight rays at once. Boxes decide only what is looked at, triangles are tested by
+// the operations of the walk of one ray: so the answer is its answer, bit for bit.
+//
+// Most nodes have one child or two that the rays meet, and which those are is guessed well by the processor. So they
+// are taken by branches: what waits for the outcome of a box test, as conditional moves do, waits for it at every
+// level.
 
+#include <bit>
 #include <cstddef>
 
-#include "devices/cpu/mesh_packet_block_avx2.h"
+#include "devices/cpu/mesh_packet_leaf_avx2.h"
 
 #ifdef SPINEL_AVX2
 SPINEL_AVX2_BEGIN
@@ -32,7 +36,7 @@ struct Entry {
 };
 
 // Of any hit, rays that have met something ask no more.
-template <bool any, unsigned octant>
+template <bool any>
 SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned asking, Nearest& best) {
     const kernels::WideUnit* const units = mesh.units;
     __m256 t_max = _mm256_load_ps(best.t), last_t_max = greatest(t_max);
@@ -48,7 +52,7 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned
             const float* const node = units[reference].lanes;
             const std::uint32_t* const references = references_of(node);
             __m256 enter;
-            unsigned hit = frustum_boxes<octant>(node, p, last_t_max, enter);
+            unsigned hit = frustum_boxes(node, p, last_t_max, enter);
             if (hit) {
                 alignas(32) float enters[8];
                 _mm256_store_ps(enters, enter);
@@ -57,7 +61,7 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned
                     // Of any hit the most promising children stand first (accel/wide_bvh.cpp), so that they come last.
                     const int i = any ? 31 - std::countl_zero(hit) : std::countr_zero(hit);
                     hit &= ~(1u << i);
-                    const unsigned inside = rays_in_box<octant>(node, i, p, t_max) & lanes;
+                    const unsigned inside = rays_in_box(node, i, p, t_max) & lanes;
                     if (!inside) continue;
                     prefetch(units, references[i]);
                     Entry* at = top++;
@@ -93,20 +97,6 @@ SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned
     }
 }
 
-template <bool any>
-SPINEL_INLINE void walk_together(const WideMesh& mesh, const Packet& p, unsigned asking, Nearest& best) {
-    switch (p.octant) {
-        case 0: return walk_together<any, 0>(mesh, p, asking, best);
-        case 1: return walk_together<any, 1>(mesh, p, asking, best);
-        case 2: return walk_together<any, 2>(mesh, p, asking, best);
-        case 3: return walk_together<any, 3>(mesh, p, asking, best);
-        case 4: return walk_together<any, 4>(mesh, p, asking, best);
-        case 5: return walk_together<any, 5>(mesh, p, asking, best);
-        case 6: return walk_together<any, 6>(mesh, p, asking, best);
-        default: return walk_together<any, 7>(mesh, p, asking, best);
-    }
-}
-
 // Rays that are not asked for repeat one that is.
 SPINEL_INLINE RayColumns asked_columns(const Ray* rays, unsigned lanes) {
     if (lanes == 255) return ray_columns(rays);
@@ -115,9 +105,8 @@ SPINEL_INLINE RayColumns asked_columns(const Ray* rays, unsigned lanes) {
     return ray_columns(filled);
 }
 
-// Hits 0 to 7 as they are told: four numbers of each, then where it stands.
 SPINEL_INLINE void write_hits(const kernels::WideUnit* units, const Nearest& best, WideHit* hits) {
-    static_assert(sizeof(WideHit) == 32 && offsetof(WideHit, block) == 16 && offsetof(WideHit, lane) == 24);
+    static_assert(offsetof(WideHit, block) == 16);  // t, u, v and the triangle stand in a row
     const __m256 found = float_columns(lane_mask(best.found));
     const __m256 none = float_columns(_mm256_set1_epi32(int(kernels::NONE)));
     const __m256 t = _mm256_load_ps(best.t), u = _mm256_load_ps(best.u), v = _mm256_load_ps(best.v);
@@ -145,7 +134,7 @@ void wide_closest8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes, W
     if (!lanes) return;
     const RayColumns ray = asked_columns(rays, lanes);
     Packet packet;
-    if (!make_packet(mesh, ray, packet)) {
+    if (std::has_single_bit(lanes) || !make_packet(mesh, ray, packet)) {
         for (unsigned rest = lanes; rest; rest &= rest - 1) {
             const int i = std::countr_zero(rest);
             hits[i] = wide_closest_avx2(mesh, rays[i]);
@@ -165,7 +154,7 @@ unsigned wide_any8_avx2(const WideMesh& mesh, const Ray* rays, unsigned lanes) {
     if (!lanes) return 0;
     const RayColumns ray = asked_columns(rays, lanes);
     Packet packet;
-    if (!make_packet(mesh, ray, packet)) {
+    if (std::has_single_bit(lanes) || !make_packet(mesh, ray, packet)) {
         unsigned found = 0;
         for (unsigned rest = lanes; rest; rest &= rest - 1) {
             const int i = std::countr_zero(rest);

@@ -1,6 +1,6 @@
 #pragma once
-// Eight coherent rays of a packet (mesh_packet_avx2.cpp): a column for each number of a ray, the frustum that holds them
-// all, and both against boxes.
+// Eight coherent rays of a packet (mesh_packet_avx2.cpp): a column for each number of a ray, the frustum that holds
+// them all, and both against boxes.
 
 #include "devices/cpu/mesh_walk_avx2.h"
 #include "devices/cpu/ray_columns.h"
@@ -10,9 +10,9 @@ SPINEL_AVX2_BEGIN
 
 namespace spinel::wide {
 
-// Of each ray, as SlabAxis. Which planes are near is the octant's matter.
 struct PacketAxis {
-    __m256 inverse, near_offset, far_offset;
+    __m256 inverse, near_offset, far_offset;  // of each ray, as SlabAxis
+    std::size_t near_row, far_row;
 };
 
 // Where planes are met at the earliest and at the latest by any ray, for each axis as SlabAxis (the fourth is unused).
@@ -21,17 +21,12 @@ struct Frustum {
     float t_min;
 };
 
-// kernels::TriangleRay, of eight rays or of two, four lanes for each of them.
-struct ShearColumns {
-    __m256 origin_x, origin_y, origin_z, shear_x, shear_y, shear_z, t_min;
-};
-
 struct Packet {
     PacketAxis axes[3];
     Frustum frustum;
-    ShearColumns shear;
-    std::size_t x, y, z;  // rows of the first vertex in a block, in floats
-    unsigned octant;      // bits of the axes along which the rays go backward
+    __m256 t_min;
+    __m256 origin_x, origin_y, origin_z, shear_x, shear_y, shear_z;  // kernels::TriangleRay of each ray
+    std::size_t x, y, z;                                             // rows of the first vertex in a block, in floats
 };
 
 // In lane k what is left of column k's lanes.
@@ -48,13 +43,12 @@ SPINEL_INLINE __m256 reduced(const __m256 column[8], const Take& take) {
     return take(_mm256_permute2f128_ps(low, high, 0x20), _mm256_permute2f128_ps(low, high, 0x31));
 }
 
-SPINEL_INLINE __m256 greatest_of_pairs(__m256 x) {
+// In all lanes.
+SPINEL_INLINE __m256 greatest(__m256 x) {
     x = _mm256_max_ps(x, _mm256_permute2f128_ps(x, x, 1));
     x = _mm256_max_ps(x, _mm256_permute_ps(x, _MM_SHUFFLE(1, 0, 3, 2)));
     return _mm256_max_ps(x, _mm256_permute_ps(x, _MM_SHUFFLE(2, 3, 0, 1)));
 }
-// In all lanes.
-SPINEL_INLINE __m256 greatest(__m256 x) { return greatest_of_pairs(x); }
 
 SPINEL_INLINE __m256 negative(__m256 x) { return _mm256_xor_ps(x, _mm256_set1_ps(-0.0f)); }
 SPINEL_INLINE __m128 negative(__m128 x) { return _mm_xor_ps(x, _mm_set1_ps(-0.0f)); }
@@ -91,21 +85,20 @@ SPINEL_INLINE bool make_packet(const WideMesh& mesh, const RayColumns& ray, Pack
         return _mm256_add_ps(_mm256_add_ps(x, y), z);
     };
     const __m256 reach = sum(magnitude(ray.origin[0]), magnitude(ray.origin[1]), magnitude(ray.origin[2]));
-    const __m256 usable =
-        _mm256_and_ps(_mm256_and_ps(_mm256_cmp_ps(reach, huge, _CMP_LT_OQ),
-                                    _mm256_cmp_ps(sum(size[0], size[1], size[2]), huge, _CMP_LT_OQ)),
-                      _mm256_and_ps(_mm256_cmp_ps(longest, _mm256_set1_ps(1e-20f), _CMP_GT_OQ),
-                                    _mm256_cmp_ps(ray.t_min, _mm256_setzero_ps(), _CMP_GE_OQ)));
+    const __m256 usable = _mm256_and_ps(_mm256_and_ps(_mm256_cmp_ps(reach, huge, _CMP_LT_OQ),
+                                                      _mm256_cmp_ps(sum(size[0], size[1], size[2]), huge, _CMP_LT_OQ)),
+                                        _mm256_and_ps(_mm256_cmp_ps(longest, _mm256_set1_ps(1e-20f), _CMP_GT_OQ),
+                                                      _mm256_cmp_ps(ray.t_min, _mm256_setzero_ps(), _CMP_GE_OQ)));
     if (lanes_of(usable) != 255) return false;
 
     const __m256 tiny = _mm256_mul_ps(longest, _mm256_set1_ps(1e-8f)), sign = _mm256_set1_ps(-0.0f);
-    p.octant = 0;
     for (int a = 0; a < 3; ++a) {
         const unsigned signs = lanes_of(ray.direction[a]);
         if (signs != 0 && signs != 255) return false;
         const __m256 d = _mm256_or_ps(_mm256_max_ps(size[a], tiny), _mm256_and_ps(ray.direction[a], sign));
         p.axes[a].inverse = _mm256_div_ps(_mm256_set1_ps(1), d);
-        p.octant |= (signs & 1) << a;
+        p.axes[a].near_row = (2 * std::size_t(a) + (signs & 1)) * 8;
+        p.axes[a].far_row = (2 * std::size_t(a) + 1 - (signs & 1)) * 8;
     }
 
     const __m256 columns[8] = {ray.origin[0],     ray.origin[1],     ray.origin[2],     ray.t_min,
@@ -141,39 +134,28 @@ SPINEL_INLINE bool make_packet(const WideMesh& mesh, const RayColumns& ray, Pack
 
     const int next = (axis + 1) % 3, last = (axis + 2) % 3;
     const __m256 s = p.axes[axis].inverse;  // of the longest component, which is the direction's own
-    p.shear = {ray.origin[next],
-               ray.origin[last],
-               ray.origin[axis],
-               _mm256_mul_ps(negative(ray.direction[next]), s),
-               _mm256_mul_ps(negative(ray.direction[last]), s),
-               s,
-               ray.t_min};
+    p.t_min = ray.t_min;
+    p.origin_x = ray.origin[next];
+    p.origin_y = ray.origin[last];
+    p.origin_z = ray.origin[axis];
+    p.shear_x = _mm256_mul_ps(negative(ray.direction[next]), s);
+    p.shear_y = _mm256_mul_ps(negative(ray.direction[last]), s);
+    p.shear_z = s;
     p.x = std::size_t(next) * 4;
     p.y = std::size_t(last) * 4;
     p.z = std::size_t(axis) * 4;
     return true;
 }
 
-// Rows of a node's planes, in floats. (Known when the program is compiled, as measured: + 6 %.)
-template <unsigned octant>
-SPINEL_INLINE const float* near_planes(const float* node, int axis) {
-    return node + (2 * axis + int(octant >> axis & 1)) * 8;
-}
-template <unsigned octant>
-SPINEL_INLINE const float* far_planes(const float* node, int axis) {
-    return node + (2 * axis + 1 - int(octant >> axis & 1)) * 8;
-}
-
 // The children whose boxes the frustum meets, and where it enters each.
-template <unsigned octant>
 SPINEL_INLINE unsigned frustum_boxes(const float* node, const Packet& p, __m256 last_t_max, __m256& enter) {
     const Frustum& f = p.frustum;
     const auto near = [&](int a) __attribute__((always_inline)) {
-        return _mm256_fmadd_ps(_mm256_load_ps(near_planes<octant>(node, a)), _mm256_broadcast_ss(f.near_inverse + a),
+        return _mm256_fmadd_ps(_mm256_load_ps(node + p.axes[a].near_row), _mm256_broadcast_ss(f.near_inverse + a),
                                _mm256_broadcast_ss(f.near_offset + a));
     };
     const auto far = [&](int a) __attribute__((always_inline)) {
-        return _mm256_fmadd_ps(_mm256_load_ps(far_planes<octant>(node, a)), _mm256_broadcast_ss(f.far_inverse + a),
+        return _mm256_fmadd_ps(_mm256_load_ps(node + p.axes[a].far_row), _mm256_broadcast_ss(f.far_inverse + a),
                                _mm256_broadcast_ss(f.far_offset + a));
     };
     enter = _mm256_max_ps(_mm256_max_ps(near(0), _mm256_broadcast_ss(&f.t_min)), _mm256_max_ps(near(1), near(2)));
@@ -182,17 +164,16 @@ SPINEL_INLINE unsigned frustum_boxes(const float* node, const Packet& p, __m256 
 }
 
 // The rays that meet the box of child i.
-template <unsigned octant>
 SPINEL_INLINE unsigned rays_in_box(const float* node, int i, const Packet& p, __m256 t_max) {
     const auto near = [&](int a) __attribute__((always_inline)) {
-        return _mm256_fmadd_ps(_mm256_broadcast_ss(near_planes<octant>(node, a) + i), p.axes[a].inverse,
+        return _mm256_fmadd_ps(_mm256_broadcast_ss(node + p.axes[a].near_row + i), p.axes[a].inverse,
                                p.axes[a].near_offset);
     };
     const auto far = [&](int a) __attribute__((always_inline)) {
-        return _mm256_fmadd_ps(_mm256_broadcast_ss(far_planes<octant>(node, a) + i), p.axes[a].inverse,
+        return _mm256_fmadd_ps(_mm256_broadcast_ss(node + p.axes[a].far_row + i), p.axes[a].inverse,
                                p.axes[a].far_offset);
     };
-    const __m256 enter = _mm256_max_ps(_mm256_max_ps(near(0), p.shear.t_min), _mm256_max_ps(near(1), near(2)));
+    const __m256 enter = _mm256_max_ps(_mm256_max_ps(near(0), p.t_min), _mm256_max_ps(near(1), near(2)));
     const __m256 leave = _mm256_min_ps(_mm256_min_ps(far(0), t_max), _mm256_min_ps(far(1), far(2)));
     return lanes_of(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ));
 }

@@ -1,8 +1,9 @@
 #pragma once
-// Rays of a packet (mesh_packet_avx2.cpp) against a block of four triangles: all eight against one triangle after the
-// other, or, if few are left, two of them against all four at a time. In the operations of the walk of one ray.
+// Rays of a packet (mesh_packet_avx2.cpp) against the triangles of a leaf: all eight against one after the other, in
+// the operations of the walk of one ray. Nothing is to be chosen among four triangles then, and what a hit changes are
+// whole columns. (Measured: even where few rays are left, two of them against four triangles at a time are no better.)
 
-#include "devices/cpu/mesh_packet_avx2.h"
+#include "devices/cpu/mesh_packet_rays_avx2.h"
 
 #ifdef SPINEL_AVX2
 SPINEL_AVX2_BEGIN
@@ -17,24 +18,23 @@ struct Nearest {
     unsigned found;
 };
 
-// wide::hit_triangles() in columns. `row` tells of where a row of the block stands the part that the lanes want.
-template <class Row>
-SPINEL_INLINE LaneHits hit_columns(const float* block, const Packet& p, const ShearColumns& s, unsigned asked,
-                                   __m256 t_max, const Row& row) {
-    const float *const px = block + p.x, *const py = block + p.y, *const pz = block + p.z;
-    const __m256 az = _mm256_sub_ps(row(pz), s.origin_z);
-    const __m256 bz = _mm256_sub_ps(row(pz + 12), s.origin_z);
-    const __m256 cz = _mm256_sub_ps(row(pz + 24), s.origin_z);
-    const __m256 ax = _mm256_fmadd_ps(s.shear_x, az, _mm256_sub_ps(row(px), s.origin_x));
-    const __m256 bx = _mm256_fmadd_ps(s.shear_x, bz, _mm256_sub_ps(row(px + 12), s.origin_x));
-    const __m256 cx = _mm256_fmadd_ps(s.shear_x, cz, _mm256_sub_ps(row(px + 24), s.origin_x));
-    const __m256 ay = _mm256_fmadd_ps(s.shear_y, az, _mm256_sub_ps(row(py), s.origin_y));
-    const __m256 by = _mm256_fmadd_ps(s.shear_y, bz, _mm256_sub_ps(row(py + 12), s.origin_y));
-    const __m256 cy = _mm256_fmadd_ps(s.shear_y, cz, _mm256_sub_ps(row(py + 24), s.origin_y));
-    const auto heights = [&]() __attribute__((always_inline)) {
-        return Heights{_mm256_mul_ps(s.shear_z, az), _mm256_mul_ps(s.shear_z, bz), _mm256_mul_ps(s.shear_z, cz)};
+// wide::hit_triangles() of triangle i of a block, for rays in `asked`.
+SPINEL_INLINE LaneHits hit_triangle(const float* block, int i, const Packet& p, unsigned asked, __m256 t_max) {
+    const auto from = [&](const float* row, __m256 origin) __attribute__((always_inline)) {
+        return _mm256_sub_ps(_mm256_broadcast_ss(row + i), origin);
     };
-    return hit_lanes(ax, ay, bx, by, cx, cy, asked, heights, s.t_min, t_max);
+    const float *const px = block + p.x, *const py = block + p.y, *const pz = block + p.z;
+    const __m256 az = from(pz, p.origin_z), bz = from(pz + 12, p.origin_z), cz = from(pz + 24, p.origin_z);
+    const __m256 ax = _mm256_fmadd_ps(p.shear_x, az, from(px, p.origin_x));
+    const __m256 bx = _mm256_fmadd_ps(p.shear_x, bz, from(px + 12, p.origin_x));
+    const __m256 cx = _mm256_fmadd_ps(p.shear_x, cz, from(px + 24, p.origin_x));
+    const __m256 ay = _mm256_fmadd_ps(p.shear_y, az, from(py, p.origin_y));
+    const __m256 by = _mm256_fmadd_ps(p.shear_y, bz, from(py + 12, p.origin_y));
+    const __m256 cy = _mm256_fmadd_ps(p.shear_y, cz, from(py + 24, p.origin_y));
+    const auto heights = [&]() __attribute__((always_inline)) {
+        return Heights{_mm256_mul_ps(p.shear_z, az), _mm256_mul_ps(p.shear_z, bz), _mm256_mul_ps(p.shear_z, cz)};
+    };
+    return hit_lanes(ax, ay, bx, by, cx, cy, asked, heights, p.t_min, t_max);
 }
 
 SPINEL_INLINE void replace(float* at, __m256 value, __m256 where) {
@@ -44,17 +44,16 @@ SPINEL_INLINE void replace(std::uint32_t* at, std::uint32_t value, __m256 where)
     replace(reinterpret_cast<float*>(at), float_columns(_mm256_set1_epi32(int(value))), where);
 }
 
-// All rays of `lanes` against one triangle after the other; returns those that met something, or something nearer.
+// Rays of `lanes` against a block; returns those that met something, or something nearer.
 template <bool any>
 SPINEL_INLINE unsigned test_block(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
-                                          Nearest& best) {
-    const auto row = [](const float* at) __attribute__((always_inline)) { return _mm256_broadcast_ss(at); };
+                                  Nearest& best) {
     unsigned met = 0;
     for (int i = 0; i < 4; ++i) {
         const auto triangle = std::bit_cast<std::uint32_t>(block[36 + i]);
         if (i > 0 && triangle == std::bit_cast<std::uint32_t>(block[35 + i])) break;  // the rest repeats the last
         const __m256 t_max = _mm256_load_ps(best.t);
-        const LaneHits hits = hit_columns(block + i, p, p.shear, lanes, t_max, row);
+        const LaneHits hits = hit_triangle(block, i, p, lanes, t_max);
         if (!hits.lanes) continue;
         if constexpr (any) {
             met |= hits.lanes & lanes_of(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ));
@@ -65,9 +64,9 @@ SPINEL_INLINE unsigned test_block(const float* block, std::uint32_t unit, const 
             const __m256i known = _mm256_load_si256(reinterpret_cast<const __m256i*>(best.triangle));
             const __m256 before = float_columns(_mm256_cmpgt_epi32(known, _mm256_set1_epi32(int(triangle))));
             const __m256 equal = _mm256_cmp_ps(hits.t, t_max, _CMP_EQ_OQ);
-            const __m256 nearer = _mm256_and_ps(
-                float_columns(lane_mask(hits.lanes)),
-                _mm256_or_ps(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ), _mm256_and_ps(equal, before)));
+            const __m256 nearer =
+                _mm256_and_ps(float_columns(lane_mask(hits.lanes)),
+                              _mm256_or_ps(_mm256_cmp_ps(hits.t, t_max, _CMP_LT_OQ), _mm256_and_ps(equal, before)));
             replace(best.t, hits.t, nearer);
             replace(best.u, hits.u, nearer);
             replace(best.v, hits.v, nearer);
@@ -79,7 +78,7 @@ SPINEL_INLINE unsigned test_block(const float* block, std::uint32_t unit, const 
     return met;
 }
 
-// Rays of `lanes` against the blocks of a leaf; returns those that met something, or something nearer.
+// The same for all blocks of a leaf.
 template <bool any>
 SPINEL_INLINE unsigned test_leaf(const kernels::WideUnit* units, std::uint32_t reference, const Packet& p,
                                  unsigned lanes, Nearest& best) {
