@@ -24,60 +24,51 @@ FN void sdf_voxels_closest(const_in(SceneView) scene, uint grid_index, uint slot
         0.9999f / (scene.sdfs.at[grid.sdf].lipschitz * grid.sdf_cell);  // a distance bound in cells is f times
     float inverse_speed = 1.0f / length(d);
 
-    // The SDF is asked in one place, for the reason that sdf_crossing() has: in the cell where the walk begins, where a
-    // leap would lead, or in the next cell.
-    ivec3 cell = ivec3(0);
-    ivec3 next = voxel_first_cell(size, ray, r);
+    ivec3 cell = voxel_first_cell(size, ray, r);
+    float f = voxel_sdf(scene, grid, cell);
+    uint palette = f <= 0.0f ? voxel_stratum(scene, grid, cell.y) : 0u;
+    uint medium = voxel_class(scene, slot_first, palette);
+    if (voxel_first_hit(ray, r, cell, palette, medium, hit)) return;
+
+    // A step leaves a cell for good along one axis, or goes on by a cell's edge at least.
     float t = r.enter;
-    uint palette = 0u;
-    uint medium = VOXEL_AIR;
-    bool leaping = false;
-    float further = 0.0f;
-    VoxelStep step;
-    step.axis = 0u;
-    // A step leaves a cell for good along one axis, or goes on by a cell's edge at least; a leap may be asked for
-    // before.
-    int asked = 1 + 6 * (size.x + size.y + size.z);
-    for (int i = 0; i < asked; ++i) {
-        bool inside = voxel_in_set(grid, next);
-        float f = inside ? voxel_sdf(scene, grid, next) : 1.0f;
-        float safe = 0.0f;
-        if (!leaping) {
-            uint entered_palette = f <= 0.0f ? voxel_stratum(scene, grid, next.y) : 0u;
-            if (i == 0 || entered_palette != palette) {
-                uint entered = voxel_class(scene, slot_first, entered_palette);
-                if (i == 0) {
-                    if (voxel_first_hit(ray, r, next, entered_palette, entered, hit)) return;
-                    medium = entered;
-                } else if (entered != medium) {
-                    bool forward = component(d, step.axis) > 0.0f;
-                    if (entered == VOXEL_AIR) voxel_hit(ray, t, cell, palette, step.axis, forward, hit);
-                    else voxel_hit(ray, t, next, entered_palette, step.axis, !forward, hit);
-                    return;
-                }
-                palette = entered_palette;
-            }
-            if (!inside) return;
-            cell = next;
-            if (palette == 0u) safe = f * cells - VOXEL_DIAGONAL;
-        } else if (f > 0.0f) {
-            t = further;
-            cell = next;
-            safe = f * cells - VOXEL_DIAGONAL;
-        }
-        leaping = safe > 1.0f;
-        if (leaping) {
-            further = t + safe * inverse_speed;
+    int steps = 3 * (size.x + size.y + size.z);
+    for (int i = 0; i < steps; ++i) {
+        float safe = palette == 0u ? f * cells - VOXEL_DIAGONAL : 0.0f;
+        if (safe > 1.0f) {
+            float further = t + safe * inverse_speed;
             if (further >= hit.t || further >= r.leave) return;
-            next = ivec3(voxel_cell(o.x, d.x, r.inverse.x, further, true, 0, size.x - 1),
-                         voxel_cell(o.y, d.y, r.inverse.y, further, true, 0, size.y - 1),
-                         voxel_cell(o.z, d.z, r.inverse.z, further, true, 0, size.z - 1));
-        } else {
-            step = voxel_step(ray, r, cell, 0u);
-            t = step.t;
-            if (t >= hit.t) return;
-            next = step.next;
+            ivec3 there = ivec3(voxel_cell(o.x, d.x, r.inverse.x, further, true, 0, size.x - 1),
+                                voxel_cell(o.y, d.y, r.inverse.y, further, true, 0, size.y - 1),
+                                voxel_cell(o.z, d.z, r.inverse.z, further, true, 0, size.z - 1));
+            float there_f = voxel_sdf(scene, grid, there);
+            if (there_f > 0.0f) {
+                cell = there;
+                f = there_f;
+                t = further;
+                continue;
+            }
         }
+        VoxelStep step = voxel_step(ray, r, cell, 0u);
+        t = step.t;
+        if (t >= hit.t) return;
+        ivec3 next = step.next;
+        bool inside =
+            next.x >= 0 && next.y >= 0 && next.z >= 0 && next.x < size.x && next.y < size.y && next.z < size.z;
+        f = inside ? voxel_sdf(scene, grid, next) : 1.0f;
+        uint entered_palette = f <= 0.0f ? voxel_stratum(scene, grid, next.y) : 0u;
+        if (entered_palette != palette) {
+            uint entered = voxel_class(scene, slot_first, entered_palette);
+            if (entered != medium) {
+                bool forward = component(d, step.axis) > 0.0f;
+                if (entered == VOXEL_AIR) voxel_hit(ray, t, cell, palette, step.axis, forward, hit);
+                else voxel_hit(ray, t, next, entered_palette, step.axis, !forward, hit);
+                return;
+            }
+            palette = entered_palette;
+        }
+        if (!inside) return;
+        cell = next;
     }
 }
 
