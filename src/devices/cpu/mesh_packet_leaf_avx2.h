@@ -44,14 +44,19 @@ SPINEL_INLINE void replace(std::uint32_t* at, std::uint32_t value, __m256 where)
     replace(reinterpret_cast<float*>(at), float_columns(_mm256_set1_epi32(int(value))), where);
 }
 
+SPINEL_INLINE std::uint32_t block_index(const float* block, int i) {
+    return std::bit_cast<std::uint32_t>(block[36 + i]);
+}
+
 // Rays of `lanes` against a block; returns those that met something, or something nearer.
 template <bool any>
 SPINEL_INLINE unsigned test_block(const float* block, std::uint32_t unit, const Packet& p, unsigned lanes,
                                   Nearest& best) {
     unsigned met = 0;
     for (int i = 0; i < 4; ++i) {
-        const auto triangle = std::bit_cast<std::uint32_t>(block[36 + i]);
-        if (i > 0 && triangle == std::bit_cast<std::uint32_t>(block[35 + i])) break;  // the rest repeats the last
+        const std::uint32_t triangle = block_index(block, i);
+        // The rest repeats the last.
+        if (i > 0 && block_index(block, i - 1) == triangle && block_index(block, 3) == triangle) break;
         const __m256 t_max = _mm256_load_ps(best.t);
         const LaneHits hits = hit_triangle(block, i, p, lanes, t_max);
         if (!hits.lanes) continue;
