@@ -7,6 +7,7 @@
 #include <span>
 
 #include "accel/bvh_builder.h"
+#include "accel/wide_bvh.h"
 
 namespace spinel {
 
@@ -15,7 +16,12 @@ struct GrainBvhOptions {
 };
 
 // As build_bvh(): siblings adjacent behind their parents, the same treatment of unusable boxes, independent of the
-// number of threads. Statistics are left to whoever needs them (bvh_statistics).
+// number of threads. Primitives of a subtree follow each other in the order only below the roots of groups. Statistics
+// are left to whoever needs them (bvh_statistics).
 Bvh build_grain_bvh(std::span<const Box> boxes, const GrainBvhOptions& options = {});
+
+// From triangles to a wide hierarchy: what collapse_bvh() would make of the binary one over their boxes. But the blocks
+// of a group are written while it is divided, so that its triangles, which lie all over memory, are fetched once.
+WideBvh build_wide_grains(std::span<const kernels::Triangle> triangles, const WideBvhOptions& options = {});
 
 }  // namespace spinel

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "accel/float4.h"
+#include "accel/signed_bounds.h"
 #include "core/huge_pages.h"
 #include "core/parallel.h"
 
@@ -31,22 +31,12 @@ std::uint64_t spread(std::uint64_t v) {
     return (v | v << 2) & 0x249249249249u;
 }
 
-// Halved before adding, which could overflow.
-Float4 center_of(const Box& box) { return Float4(box.lower) * Float4(0.5f) + Float4(box.upper) * Float4(0.5f); }
-
-bool is_usable(const Box& b) {  // false for NaN and ±∞
-    constexpr float most = std::numeric_limits<float>::max();
-    for (int a = 0; a < 3; ++a)
-        if (!(b.lower[a] >= -most && b.lower[a] <= b.upper[a] && b.upper[a] <= most)) return false;
-    return true;
-}
-
 // What maps a centre to its place along the curve through a box.
 class Curve {
   public:
-    explicit Curve(const Bounds& range) : offset_(0.0f), scale_(0.0f) {
+    explicit Curve(SignedBounds range) : offset_(0.0f), scale_(0.0f) {
         alignas(16) float scale[4] = {}, offset[4] = {};
-        const auto extent = lanes_of(range.upper - range.lower), from = lanes_of(range.lower);
+        const auto extent = lanes_of(extent_of(range)), from = lanes_of(range.negated_lower());
         for (std::size_t a = 0; a < 3; ++a) {
             const float s = 0.9999f * float(1 << axis_bits) / extent[a];  // a hair less, so that the last is within
             if (!(std::isfinite(s) && s > 0)) continue;                   // the extent is 0, next to 0, or infinite
@@ -56,9 +46,9 @@ class Curve {
         scale_ = Float4::load(scale);
         offset_ = Float4::load(offset);
     }
-    std::uint64_t place(const Box& box) const {
+    std::uint64_t place(SignedBounds center) const {
         alignas(16) int at[4];
-        store_truncated((center_of(box) - offset_) * scale_, at);
+        store_truncated((offset_ - center.negated_lower()) * scale_, at);
         std::uint64_t code = 0;
         for (int a = 0; a < 3; ++a) code |= spread(std::uint64_t(std::max(at[a], 0))) << a;
         return code;
@@ -102,10 +92,11 @@ void sort_keys(HugeVector<std::uint64_t>& keys) {
 }
 
 // Of the boxes that are finite and ordered, sorted.
-HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
+template <class Primitives>
+HugeVector<std::uint64_t> sorted_keys(const Primitives& boxes) {
     const std::size_t chunks = (boxes.size() + chunk - 1) / chunk;
     struct Part {
-        Bounds centers;
+        SignedBounds centers;
         std::size_t usable = 0;
     };
     std::vector<Part> parts(chunks);
@@ -117,12 +108,13 @@ HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
     };
     in_chunks([&](Part& part, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (!is_usable(boxes[i])) continue;
-            part.centers.extend(center_of(boxes[i]));
+            const SignedBounds box = signed_bounds(boxes[i]);
+            if (!is_usable(box)) continue;
+            part.centers.extend(box.center());
             ++part.usable;
         }
     });
-    Bounds centers;
+    SignedBounds centers;
     std::size_t count = 0;
     for (Part& part : parts) {
         centers.extend(part.centers);
@@ -133,8 +125,10 @@ HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
     HugeVector<std::uint64_t> keys(count);
     const Curve curve(centers);
     in_chunks([&](Part& part, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (is_usable(boxes[i])) keys[part.usable++] = curve.place(boxes[i]) << index_bits | i;
+        for (std::size_t i = begin; i < end; ++i) {
+            const SignedBounds box = signed_bounds(boxes[i]);
+            if (is_usable(box)) keys[part.usable++] = curve.place(box.center()) << index_bits | i;
+        }
     });
     sort_keys(keys);
     return keys;
@@ -143,9 +137,10 @@ HugeVector<std::uint64_t> sorted_keys(std::span<const Box> boxes) {
 std::uint64_t code_of(std::uint64_t key) { return key >> index_bits; }
 
 // Cuts ranges where the bits of their codes say until few are left.
+template <class Primitives>
 class Cutter {
   public:
-    Cutter(std::span<const Box> boxes, HugeVector<std::uint64_t>& keys, std::uint32_t most)
+    Cutter(const Primitives& boxes, HugeVector<std::uint64_t>& keys, std::uint32_t most)
         : boxes_(boxes), keys_(keys), most_(most) {}
 
     // Adds the grains of a range in order. A range of equal codes, a small thing in a large scene, is sorted along a
@@ -185,21 +180,21 @@ class Cutter {
   private:
     void zoom(std::size_t begin, std::size_t end) {
         const auto run = std::span(keys_).subspan(begin, end - begin);
-        Bounds centers;
-        for (const std::uint64_t key : run) centers.extend(center_of(boxes_[key & index_mask]));
+        const auto center = [&](std::uint64_t key) { return signed_bounds(boxes_[key & index_mask]).center(); };
+        SignedBounds centers;
+        for (const std::uint64_t key : run) centers.extend(center(key));
         const Curve curve(centers);
-        for (std::uint64_t& key : run) key = curve.place(boxes_[key & index_mask]) << index_bits | (key & index_mask);
+        for (std::uint64_t& key : run) key = curve.place(center(key)) << index_bits | (key & index_mask);
         std::sort(run.begin(), run.end());
     }
 
-    std::span<const Box> boxes_;
+    const Primitives& boxes_;
     HugeVector<std::uint64_t>& keys_;
     std::uint32_t most_;
 };
 
-}  // namespace
-
-MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most) {
+template <class Primitives>
+MortonGrains grains_of(const Primitives& boxes, std::uint32_t most) {
     assert(most >= 1 && boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
     HugeVector<std::uint64_t> keys = sorted_keys(boxes);
     MortonGrains out;
@@ -210,6 +205,13 @@ MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most) {
         for (std::size_t i = begin; i < end; ++i) out.order[i] = std::uint32_t(keys[i] & index_mask);
     });
     return out;
+}
+
+}  // namespace
+
+MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most) { return grains_of(boxes, most); }
+MortonGrains morton_grains(std::span<const kernels::Triangle> triangles, std::uint32_t most) {
+    return grains_of(triangles, most);
 }
 
 }  // namespace spinel

@@ -22,5 +22,7 @@ struct MortonGrains {
 
 // Independent of the number of threads. At most BVH_MAX_PRIMITIVES boxes.
 MortonGrains morton_grains(std::span<const Box> boxes, std::uint32_t most);
+// Of the boxes of triangles.
+MortonGrains morton_grains(std::span<const kernels::Triangle> triangles, std::uint32_t most);
 
 }  // namespace spinel

@@ -5,14 +5,47 @@
 #include <bit>
 #include <limits>
 
+#include "accel/float4.h"
 #include "core/parallel.h"
 
 namespace spinel {
 namespace {
 
-constexpr std::uint32_t block_size = 4;
+constexpr std::uint32_t block_size = wide_block;
 
 std::uint32_t blocks_for(std::uint32_t count) { return (count + block_size - 1) / block_size; }
+
+// The columns of four rows of four.
+std::array<Float4, 4> transposed(const float* a, const float* b, const float* c, const float* d) {
+    std::array<Float4, 4> rows = {Float4::load_anywhere(a), Float4::load_anywhere(b), Float4::load_anywhere(c),
+                                  Float4::load_anywhere(d)};
+    transpose(rows[0], rows[1], rows[2], rows[3]);
+    return rows;
+}
+
+void put_reference(std::uint32_t reference, std::uint32_t child, kernels::WideUnit* units) {
+    units[6].lanes[child] = std::bit_cast<float>(reference);
+}
+
+// All of a node but the references to its children; those that are not there have empty boxes.
+void write_boxes(const Bvh& binary, const WidePlanNode& node, kernels::WideUnit* units) {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    static constexpr kernels::BvhNode nothing = {glm::vec3(inf), 0, glm::vec3(-inf), 0};
+    std::array<const kernels::BvhNode*, wide_width> boxes;
+    for (std::uint32_t i = 0; i < wide_width; ++i) {
+        boxes[i] = i < node.count ? &binary.nodes[node.children[i]] : &nothing;
+        put_reference(0, i, units);
+    }
+    for (std::size_t half = 0; half < wide_width; half += 4) {
+        const auto* const b = &boxes[half];
+        const auto lower = transposed(&b[0]->lower.x, &b[1]->lower.x, &b[2]->lower.x, &b[3]->lower.x);
+        const auto upper = transposed(&b[0]->upper.x, &b[1]->upper.x, &b[2]->upper.x, &b[3]->upper.x);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis].store(units[2 * axis].lanes + half);
+            upper[axis].store(units[2 * axis + 1].lanes + half);
+        }
+    }
+}
 
 class Writer {
   public:
@@ -54,38 +87,19 @@ class Writer {
     }
 
     void write_node(std::size_t index) {
-        constexpr float inf = std::numeric_limits<float>::infinity();
         const WidePlanNode& node = plan_.nodes[index];
         kernels::WideUnit* const units = &out_.units[units_[index]];
         std::uint32_t block = units_[index] + kernels::WIDE_NODE_UNITS;
-        for (std::uint32_t i = 0; i < wide_width; ++i) {
-            for (int axis = 0; axis < 3; ++axis) {
-                units[2 * axis].lanes[i] = i < node.count ? binary_.nodes[node.children[i]].lower[axis] : inf;
-                units[2 * axis + 1].lanes[i] = i < node.count ? binary_.nodes[node.children[i]].upper[axis] : -inf;
-            }
-            std::uint32_t reference = 0;
-            if (i < node.count && node.counts[i] > 0) reference = blocks_for(node.counts[i]) << 28 | block;
-            else if (i < node.count) reference = units_[node.nodes[i]];
-            units[6].lanes[i] = std::bit_cast<float>(reference);
-            if (i >= node.count) continue;
-            for (std::uint32_t first = 0; first < node.counts[i];
-                 first += block_size, block += kernels::WIDE_BLOCK_UNITS)
-                write_block(out_.units[block].lanes, node.firsts[i] + first,
-                            std::min(block_size, node.counts[i] - first));
+        write_boxes(binary_, node, units);
+        for (std::uint32_t i = 0; i < node.count; ++i) {
+            const std::uint32_t blocks = blocks_for(node.counts[i]);
+            put_reference(blocks > 0 ? blocks << 28 | block : units_[node.nodes[i]], i, units);
+            const auto leaf = std::span(binary_.order).subspan(node.firsts[i], node.counts[i]);
+            for (std::size_t first = 0; first < leaf.size(); first += block_size, block += kernels::WIDE_BLOCK_UNITS)
+                write_wide_block(triangles_,
+                                 leaf.subspan(first, std::min<std::size_t>(block_size, leaf.size() - first)),
+                                 out_.units[block].lanes);
         }
-    }
-
-    void write_block(float* rows, std::uint32_t first, std::uint32_t count) {
-        std::array<std::uint32_t, block_size> indices;
-        std::array<const float*, block_size> t;
-        for (std::uint32_t lane = 0; lane < block_size; ++lane) {
-            indices[lane] = binary_.order[first + std::min(lane, count - 1)];
-            t[lane] = &triangles_[indices[lane]].a.x;
-        }
-        for (std::uint32_t row = 0; row < 9; ++row)
-            for (std::uint32_t lane = 0; lane < block_size; ++lane) rows[row * block_size + lane] = t[lane][row];
-        for (std::uint32_t lane = 0; lane < block_size; ++lane)
-            rows[9 * block_size + lane] = std::bit_cast<float>(indices[lane]);
     }
 
     // Asks memory for what write_node() reads: nodes and triangles are wanted in another order than they stand in.
@@ -112,6 +126,58 @@ class Writer {
 };
 
 }  // namespace
+
+void write_wide_block(std::span<const kernels::Triangle> triangles, std::span<const std::uint32_t> indices,
+                      float* rows) {
+    std::array<std::uint32_t, block_size> index;
+    std::array<const float*, block_size> t;
+    for (std::size_t lane = 0; lane < block_size; ++lane) {
+        index[lane] = indices[std::min(lane, indices.size() - 1)];
+        t[lane] = &triangles[index[lane]].a.x;
+    }
+    for (std::size_t row = 0; row < 8; row += 4) {
+        const auto columns = transposed(t[0] + row, t[1] + row, t[2] + row, t[3] + row);
+        for (std::size_t i = 0; i < 4; ++i) columns[i].store(rows + (row + i) * block_size);
+    }
+    for (std::size_t lane = 0; lane < block_size; ++lane) {
+        rows[8 * block_size + lane] = t[lane][8];
+        rows[9 * block_size + lane] = std::bit_cast<float>(index[lane]);
+    }
+}
+
+WideBlocks::WideBlocks(std::size_t count) {
+    const std::size_t size = kernels::WIDE_NODE_UNITS + count * kernels::WIDE_BLOCK_UNITS;
+    // There are five to six blocks to a node. Memory that is asked for and not touched costs nothing.
+    units_.reserve(size + count / 5 * kernels::WIDE_NODE_UNITS);
+    units_.resize(size);
+}
+
+WideBvh collapse_blocks(const Bvh& binary, WideBlocks blocks, const WideBvhOptions& options) {
+    const WideLeaves leaves{1, [](std::uint32_t, std::uint32_t count) { return count; }};
+    const WidePlan plan = plan_wide_bvh(binary, options, leaves);
+    WideBvh out;
+    out.units = std::move(blocks.units_);
+    const std::size_t behind =
+        out.units.size() - kernels::WIDE_NODE_UNITS;  // where the root would stand, next to others
+    const auto unit_of = [&](std::size_t node) {
+        return node == 0 ? 0 : std::uint32_t(behind + node * kernels::WIDE_NODE_UNITS);
+    };
+    out.units.resize(behind + plan.nodes.size() * kernels::WIDE_NODE_UNITS);
+    parallel_for(plan.nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const WidePlanNode& node = plan.nodes[n];
+            kernels::WideUnit* const units = &out.units[unit_of(n)];
+            write_boxes(binary, node, units);
+            for (std::uint32_t i = 0; i < node.count; ++i) {
+                const std::uint32_t block = kernels::WIDE_NODE_UNITS + node.firsts[i] * kernels::WIDE_BLOCK_UNITS;
+                put_reference(node.counts[i] > 0 ? node.counts[i] << 28 | block : unit_of(node.nodes[i]), i, units);
+            }
+        }
+    });
+    out.statistics = {plan.sah_cost, plan.depth, std::uint32_t(plan.nodes.size()), plan.triangle_count,
+                      plan.triangle_count};
+    return out;
+}
 
 WideBvh collapse_bvh(const Bvh& binary, std::span<const kernels::Triangle> triangles, const WideBvhOptions& options) {
     if (binary.nodes.empty()) return {};

@@ -30,4 +30,25 @@ struct WideBvh {
 WideBvh collapse_bvh(const Bvh& binary, std::span<const kernels::Triangle> triangles,
                      const WideBvhOptions& options = {});
 
+constexpr std::uint32_t wide_block = 4;  // triangles in a block at most
+
+// Writes the block, of WIDE_BLOCK_UNITS, of triangles that `indices` name, at most four.
+void write_wide_block(std::span<const kernels::Triangle> triangles, std::span<const std::uint32_t> indices,
+                      float* rows);
+
+// Blocks that are written before the hierarchy over them is known.
+class WideBlocks {
+  public:
+    explicit WideBlocks(std::size_t count);
+    std::span<kernels::WideUnit> units() { return std::span(units_).subspan(kernels::WIDE_NODE_UNITS); }
+
+  private:
+    friend WideBvh collapse_blocks(const Bvh&, WideBlocks, const WideBvhOptions&);
+    HugeVector<kernels::WideUnit> units_;  // behind the root
+};
+
+// As collapse_bvh(), with `binary` over the blocks, one in each leaf, which its `first` names. Counts blocks as
+// triangles.
+WideBvh collapse_blocks(const Bvh& binary, WideBlocks blocks, const WideBvhOptions& options = {});
+
 }  // namespace spinel

@@ -43,8 +43,8 @@ struct WideLeaves {
     std::function<std::uint32_t(std::uint32_t first, std::uint32_t count)> blocks;
 };
 
-// Of a tree that is not empty, and in whose order the primitives of a left child end where those of the right one
-// begin. Children whose boxes have the largest area for each triangle stand first.
+// Of a tree that is not empty. Leaves are made of subtrees whose primitives follow each other in its order. Children
+// whose boxes have the largest area for each triangle stand first.
 WidePlan plan_wide_bvh(const Bvh& binary, const WideBvhOptions& options, const WideLeaves& leaves);
 
 }  // namespace spinel

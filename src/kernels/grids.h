@@ -73,7 +73,7 @@ FN NextSample next_sample(const_in(DensityGrid) grid, ivec3 i) {
                       uvec3(uint(s.x), 8u * uint(s.y), 64u * uint(s.z)));
 }
 
-// Of samples that are no floats.
+// Of samples of any kind.
 FN_APART float trilinear_coded(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, ivec3 i, uint channel) {
     NextSample next = next_sample(grid, i);
     uint entry = grid.table_first + brick_entry(grid, i);
@@ -113,6 +113,7 @@ FN_APART float trilinear_across(const_in(SceneView) scene, const_in(DensityGrid)
 // Floats in one brick, which is most look-ups, in the fewest steps; bricks at the upper faces repeat the last sample.
 FN float grid_trilinear(const_in(SceneView) scene, const_in(DensityGrid) grid, vec3 p, uint channel) {
     ivec3 i = sample_before(p);
+#ifdef __cplusplus
     if (grid.storage != GRID_FLOAT) return trilinear_coded(scene, grid, p, i, channel);
     if ((((i.x ^ (i.x + 1)) | (i.y ^ (i.y + 1)) | (i.z ^ (i.z + 1))) & 8) != 0)
         return trilinear_across(scene, grid, p, i, channel);
@@ -121,6 +122,9 @@ FN float grid_trilinear(const_in(SceneView) scene, const_in(DensityGrid) grid, v
         bits_float(scene.words.at[b]), bits_float(scene.words.at[b + 1u]), bits_float(scene.words.at[b + 8u]),
         bits_float(scene.words.at[b + 9u]), bits_float(scene.words.at[b + 64u]), bits_float(scene.words.at[b + 65u]),
         bits_float(scene.words.at[b + 72u]), bits_float(scene.words.at[b + 73u]), sample_weights(p, i));
+#else  // shaders hold a copy of this for each place where a grid is asked: one way for all is the shortest
+    return trilinear_coded(scene, grid, p, i, channel);
+#endif
 }
 
 // Cubic B-spline over 4³ samples: twice continuously differentiable, a convex combination of what is around, so bounds

@@ -16,7 +16,7 @@
 #include "sdf_ops.h"
 KERNELS_BEGIN
 
-const uint SDF_MAX_STEPS = 8192u;      // of one march; what happens at the bound: see sdf_march
+const uint SDF_MAX_STEPS = 8192u;      // of one march; what happens at the bound: see sdf_crossing
 const uint SDF_MAX_REFINEMENTS = 48u;  // of one bracket
 const uint SDF_MAX_OFFSETS = 16u;      // doublings (and halvings) of sdf_offset_point
 const float SDF_RESOLUTION = 1.0e-6f;  // smallest step, relative to the size and position of the bounds
@@ -59,9 +59,7 @@ FN float sdf_distance(const_in(SceneView) scene, uint sdf, vec3 p) {
             case SDF_OP_CYLINDER: value = sdf_cylinder(points.at[op.a] - e, d.x, d.y); break;
             case SDF_OP_PLANE: value = dot(vec3(d.x, d.y, d.z), points.at[op.a] - e) - d.w; break;
             case SDF_OP_GYROID: value = sdf_gyroid(points.at[op.a] - e, d); break;
-#ifdef __cplusplus
             case SDF_OP_GRID: value = sdf_grid(scene, op.b, points.at[op.a], vec2(d.x, d.y)); break;
-#endif
             case SDF_OP_MIN: value = min(values.at[op.a], values.at[op.b]); break;
             case SDF_OP_MAX: value = max(values.at[op.a], values.at[op.b]); break;
             case SDF_OP_SUBTRACT: value = max(values.at[op.a], -values.at[op.b]); break;
@@ -161,14 +159,12 @@ FN vec4 sdf_distance_gradient(const_in(SceneView) scene, uint sdf, vec3 p) {
             value = values.at[op.target];
             continue;
         }
-#ifdef __cplusplus
         if (op.op == SDF_OP_GRID) {
             value = sdf_grid_gradient(scene, op.b, points.at[op.a], vec2(d.x, d.y));
             value = vec4(vec3(value.x, value.y, value.z) * points.jacobian[op.a], value.w);
             values.at[op.target] = value;
             continue;
         }
-#endif
         vec4 a = values.at[op.a];
         switch (op.op) {
             case SDF_OP_MIN: value = a.w < values.at[op.b].w ? a : values.at[op.b]; break;
@@ -255,16 +251,14 @@ FN SdfSegment sdf_clip(const_in(Sdf) sdf, Ray ray, float t_max) {
     return segment;
 }
 
-// Two places on a segment, in its length, with the surface between them.
-struct SdfBracket {
-    float near;
-    float far;
-    float near_value;
-    float far_value;
+// Where a segment first crosses the surface.
+struct SdfCrossing {
+    float s;  // in the segment's length; of what is not refined: behind it, by less than a step
     bool found;
+    bool inside;  // the segment begins inside of the solid
 };
 
-// Walks from the segment's start to the first change of sign.
+// Walks from the segment's start to the first change of sign, and narrows that down if it shall be `refined`.
 //  * No step is shorter than the segment's resolution, and a ray that crawls along a surface lengthens its
 //  steps
 //    slowly. What may be stepped over that way is a pair of crossings nearer to each other than that: in and
@@ -275,81 +269,96 @@ struct SdfBracket {
 //  be found.
 //    So a march finds a crossing exactly if start and end differ, or it passed one on its way: parity never
 //    breaks, and a ray inside of a solid always finds its exit, because the bounds lie outside.
-FN SdfBracket sdf_march(const_in(SceneView) scene, uint sdf, SdfSegment segment) {
+//  * It is refined to the precision of the point that f is asked at: regula falsi in the Illinois variant (Dowell,
+//    Jarratt, BIT 11, 1971), every third step a bisection so that the bracket shrinks in any case.
+//
+// f is asked in one place, whatever for: shaders hold a copy of all that f may be for each place where it is asked.
+FN_ANEW SdfCrossing sdf_crossing(const_in(SceneView) scene, uint sdf, const_in(SdfSegment) segment, bool refined) {
     float inverse_lipschitz = 1.0f / scene.sdfs.at[sdf].lipschitz;
-    float s = 0.0f;
-    float f = sdf_distance(scene, sdf, segment.origin);
-    bool inside = f < 0.0f;
     float shortest = segment.resolution;
     float relaxation = SDF_RELAXATION;
-    for (uint i = 0u; i < SDF_MAX_STEPS; i++) {
-        float radius = abs(f) * inverse_lipschitz;
-        bool crawling = radius < shortest;
-        float next = min(s + (crawling ? shortest : radius * relaxation), segment.extent);
-        float next_f = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
-        if (radius < max(shortest, 32.0f * segment.resolution)) {
-            shortest = min(shortest * 1.05f, segment.longest_crawl);
-        } else if (radius > 16.0f * shortest) {
-            shortest = segment.resolution;
-        }
-        if (!crawling) {
-            // Relaxed too far: the two spheres do not cover the way between their centres.
-            if (relaxation > 1.0f &&
-                ((next_f < 0.0f) != inside || radius + abs(next_f) * inverse_lipschitz < next - s)) {
-                relaxation = 1.0f;
-                next = min(s + radius, segment.extent);
-                next_f = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
-            }
-        }
-        if ((next_f < 0.0f) != inside) {
-            if (abs(next_f) * inverse_lipschitz >= segment.resolution || next >= segment.extent) {
-                return SdfBracket(s, next, f, next_f, true);
-            }
-            float beyond = min(next + segment.resolution, segment.extent);
-            float beyond_f = sdf_distance(scene, sdf, segment.origin + beyond * segment.direction);
-            if ((beyond_f < 0.0f) != inside) return SdfBracket(s, next, f, next_f, true);
-            next = beyond;
-            next_f = beyond_f;
-        }
-        s = next;
-        f = next_f;
-        if (s >= segment.extent) return SdfBracket(s, s, f, f, false);
-    }
-    float end_f = sdf_distance(scene, sdf, segment.origin + segment.extent * segment.direction);
-    return SdfBracket(s, segment.extent, f, end_f, (end_f < 0.0f) != inside);
-}
-
-// The place where the sign changes, to the precision of the point that f is asked at. Regula falsi in the
-// Illinois variant (Dowell, Jarratt, BIT 11, 1971), every third step a bisection so that the bracket shrinks
-// in any case.
-FN float sdf_refine(const_in(SceneView) scene, uint sdf, SdfSegment segment, SdfBracket bracket) {
-    float a = bracket.near;
-    float b = bracket.far;
-    float fa = bracket.near_value;
-    float fb = bracket.far_value;
-    bool inside = fa < 0.0f;
-    vec3 p = segment.origin + b * segment.direction;
-    float tolerance = 1.2e-7f * (max_component(abs(p)) + b);
+    bool inside = false;
+    float near = 0.0f;  // the sign is that of the start up to here
+    float near_value = 0.0f;
+    float far = 0.0f;  // and may have changed here
+    float far_value = 0.0f;
+    float next = 0.0f;  // where f is asked
+    uint steps = 0u;
+    float radius = 0.0f;
+    bool relaxed = false;   // a step farther than is known to be safe
+    bool beyond = false;    // a look whether a change of sign lasts
+    bool refining = false;  // the surface lies between near and far
+    uint refinements = 0u;
+    float tolerance = 0.0f;
     int side = 0;
-    for (uint i = 0u; i < SDF_MAX_REFINEMENTS && b - a > tolerance; i++) {
-        float middle = 0.5f * (a + b);
-        float m = i % 3u == 2u ? middle : a - fa * ((b - a) / (fb - fa));
-        if (!(m > a && m < b)) m = middle;
-        if (!(m > a && m < b)) break;  // neighbouring floats
-        float fm = sdf_distance(scene, sdf, segment.origin + m * segment.direction);
-        if ((fm < 0.0f) == inside) {
-            a = m;
-            fa = fm;
-            if (side == 1) fb *= 0.5f;
-            side = 1;
+    for (;;) {
+        float value = sdf_distance(scene, sdf, segment.origin + next * segment.direction);
+        if (refining) {
+            if ((value < 0.0f) == inside) {
+                near = next;
+                near_value = value;
+                if (side == 1) far_value *= 0.5f;
+                side = 1;
+            } else {
+                far = next;
+                far_value = value;
+                if (side == -1) near_value *= 0.5f;
+                side = -1;
+            }
+            ++refinements;
         } else {
-            b = m;
-            fb = fm;
-            if (side == -1) fa *= 0.5f;
-            side = -1;
+            if (steps == 0u) inside = value < 0.0f;
+            bool across = (value < 0.0f) != inside;
+            // Relaxed too far: the two spheres do not cover the way between their centres.
+            if (relaxed && (across || radius + abs(value) * inverse_lipschitz < next - near)) {
+                relaxed = false;
+                relaxation = 1.0f;
+                next = min(near + radius, segment.extent);
+                continue;
+            }
+            if (!beyond) {
+                far = next;
+                far_value = value;
+                beyond = across && next < segment.extent && !(abs(value) * inverse_lipschitz >= segment.resolution);
+                if (beyond) {
+                    next = min(next + segment.resolution, segment.extent);
+                    continue;
+                }
+            }
+            if (!across) {
+                near = next;
+                near_value = value;
+                beyond = false;
+                if (near >= segment.extent) return SdfCrossing(near, false, inside);
+                ++steps;
+                if (steps > SDF_MAX_STEPS) {
+                    relaxed = false;
+                    next = segment.extent;
+                    continue;
+                }
+                radius = abs(value) * inverse_lipschitz;
+                bool crawling = radius < shortest;
+                relaxed = !crawling && relaxation > 1.0f;
+                next = min(near + (crawling ? shortest : radius * relaxation), segment.extent);
+                if (radius < max(shortest, 32.0f * segment.resolution)) {
+                    shortest = min(shortest * 1.05f, segment.longest_crawl);
+                } else if (radius > 16.0f * shortest) {
+                    shortest = segment.resolution;
+                }
+                continue;
+            }
+            if (!refined) return SdfCrossing(far, true, inside);
+            refining = true;
+            vec3 p = segment.origin + far * segment.direction;
+            tolerance = 1.2e-7f * (max_component(abs(p)) + far);
         }
+        if (refinements == SDF_MAX_REFINEMENTS || !(far - near > tolerance)) break;
+        float middle = 0.5f * (near + far);
+        next = refinements % 3u == 2u ? middle : near - near_value * ((far - near) / (far_value - near_value));
+        if (!(next > near && next < far)) next = middle;
+        if (!(next > near && next < far)) break;  // neighbouring floats
     }
-    return 0.5f * (a + b);
+    return SdfCrossing(0.5f * (near + far), true, inside);
 }
 
 // The nearest surface of the solid in (t_min, min(t_max, hit.t)) replaces the hit, except for hit.instance,
@@ -359,16 +368,16 @@ FN void sdf_closest(const_in(SceneView) scene, uint sdf, Ray ray, inout(Hit) hit
     float t_max = min(ray.t_max, hit.t);
     SdfSegment segment = sdf_clip(scene.sdfs.at[sdf], ray, t_max);
     if (!(segment.extent > 0.0f)) return;
-    SdfBracket bracket = sdf_march(scene, sdf, segment);
-    if (!bracket.found) return;
-    float s = sdf_refine(scene, sdf, segment, bracket);
+    SdfCrossing crossing = sdf_crossing(scene, sdf, segment, true);
+    if (!crossing.found) return;
+    float s = crossing.s;
     // A crossing is not lost because t rounds to t_min.
     float t = max(segment.t_first + s * segment.t_scale, ray.t_min + (1.5e-7f * abs(ray.t_min) + 1.0e-35f));
     if (!(t < t_max)) return;
     vec4 gradient = sdf_distance_gradient(scene, sdf, segment.origin + s * segment.direction);
     vec3 normal = vec3(gradient.x, gradient.y, gradient.z);
     float size = length(normal);
-    float towards = bracket.near_value < 0.0f ? 1.0f : -1.0f;  // sign of dot(outward normal, direction)
+    float towards = crossing.inside ? 1.0f : -1.0f;  // sign of dot(outward normal, direction)
     if (size > 0.0f) {
         normal = normal / size;
         // At grazing incidence and on creases the gradient may disagree with the crossing; mirrored, it
@@ -390,8 +399,7 @@ FN void sdf_closest(const_in(SceneView) scene, uint sdf, Ray ray, inout(Hit) hit
 FN bool sdf_any(const_in(SceneView) scene, uint sdf, Ray ray) {
     SdfSegment segment = sdf_clip(scene.sdfs.at[sdf], ray, ray.t_max);
     if (!(segment.extent > 0.0f)) return false;
-    SdfBracket bracket = sdf_march(scene, sdf, segment);
-    return bracket.found;
+    return sdf_crossing(scene, sdf, segment, false).found;
 }
 
 // Where a ray that leaves p should start: p moved along the normal, outwards (side +1) or inwards (side −1),

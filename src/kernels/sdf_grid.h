@@ -44,12 +44,12 @@ FN vec4 trilinear_gradient(const_in(SceneView) scene, const_in(DensityGrid) grid
     ivec3 i = sample_before(p);
     vec3 w = sample_weights(p, i);
     ivec3 n = min(i + ivec3(1), grid.size - ivec3(1));
-    vec4 low =
-        vec4(grid_sample(scene, grid, i, 0u), grid_sample(scene, grid, ivec3(n.x, i.y, i.z), 0u),
-             grid_sample(scene, grid, ivec3(i.x, n.y, i.z), 0u), grid_sample(scene, grid, ivec3(n.x, n.y, i.z), 0u));
-    vec4 high =
-        vec4(grid_sample(scene, grid, ivec3(i.x, i.y, n.z), 0u), grid_sample(scene, grid, ivec3(n.x, i.y, n.z), 0u),
-             grid_sample(scene, grid, ivec3(i.x, n.y, n.z), 0u), grid_sample(scene, grid, n, 0u));
+    float v[8];
+    for (uint k = 0u; k < 8u; ++k)
+        v[k] = grid_sample(
+            scene, grid, ivec3((k & 1u) != 0u ? n.x : i.x, (k & 2u) != 0u ? n.y : i.y, (k & 4u) != 0u ? n.z : i.z), 0u);
+    vec4 low = vec4(v[0], v[1], v[2], v[3]);
+    vec4 high = vec4(v[4], v[5], v[6], v[7]);
     vec4 c = mix(low, high, w.z);
     vec4 z = high - low;
     return vec4(mix(c.y - c.x, c.w - c.z, w.y), mix(c.z - c.x, c.w - c.y, w.x),

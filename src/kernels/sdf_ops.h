@@ -55,8 +55,7 @@ const uint SDF_OP_SKIP_UNION = 21u;     // they fold by (smooth) minimum: distan
 const uint SDF_OP_SKIP_SUBTRACT = 22u;  // they are subtracted: distance · data1.w ≥ data0.w − V[a]
 
 // V[target] from P[a] in the index space of the grid whose number stands at `b` in SceneView::words (sdf_grid.h): near
-// the surface data0.y · (its value − data0.x), elsewhere not more than the distance. In C++ alone so far: a march asks
-// its tape in several places, and shaders that hold all filters of a grid in each of them take minutes to compile.
+// the surface data0.y · (its value − data0.x), elsewhere not more than the distance.
 const uint SDF_OP_GRID = 23u;
 
 FN vec3 sdf_rotate(vec4 q, vec3 p) {

@@ -119,62 +119,64 @@ FN bool instance_any(const_in(SceneView) scene, uint instance, Ray ray) {
     return hit.t < ray.t_max;
 }
 
+// In walks over the scene: what stands for the unbounded instances among the entries of the tree. So that an instance
+// is asked in one place: shaders hold a copy of all geometries' walks for each.
+const uint BVH_ENTRY_UNBOUNDED = NONE;
+
 FN Hit trace_closest(const_in(SceneView) scene, Ray ray, uint mask) {
     Hit hit = no_hit(ray.t_max);
-    if (scene.bounded_count > 0u) {
-        SlabRay slab = instance_slab_ray(ray);
-        BvhStack stack;
-        uint stack_size = 0u;
-        uint entry = bvh_entry(scene.instance_nodes.at[0]);
-        for (;;) {
-            uint first = bvh_entry_first(entry);
-            uint count = bvh_entry_count(entry);
-            if (count == 0u) {
-                BvhSiblings siblings = bvh_siblings(scene.instance_nodes, first, slab, hit.t);
-                if (siblings.enter_nearer < INFINITE) {
-                    if (siblings.enter_farther < INFINITE) {
-                        stack.entry[stack_size] = siblings.farther;
-                        stack.enter[stack_size] = siblings.enter_farther;
-                        ++stack_size;
-                    }
-                    entry = siblings.nearer;
-                    continue;
+    SlabRay slab = instance_slab_ray(ray);
+    BvhStack stack;
+    stack.entry[0] = BVH_ENTRY_UNBOUNDED;
+    stack.enter[0] = -INFINITE;
+    uint stack_size = scene.bounded_count > 0u ? 1u : 0u;
+    uint entry = scene.bounded_count > 0u ? bvh_entry(scene.instance_nodes.at[0]) : BVH_ENTRY_UNBOUNDED;
+    for (;;) {
+        uint first = bvh_entry_first(entry);
+        uint count = bvh_entry_count(entry);
+        if (count == 0u) {
+            BvhSiblings siblings = bvh_siblings(scene.instance_nodes, first, slab, hit.t);
+            if (siblings.enter_nearer < INFINITE) {
+                if (siblings.enter_farther < INFINITE) {
+                    stack.entry[stack_size] = siblings.farther;
+                    stack.enter[stack_size] = siblings.enter_farther;
+                    ++stack_size;
                 }
-            } else {
-                for (uint i = first; i < first + count; ++i) {
-                    uint instance = scene.instance_order.at[i];
-                    if (instance_admitted(scene.instances.at[instance].flags, mask)) {
-                        instance_closest(scene, instance, ray, hit);
-                    }
+                entry = siblings.nearer;
+                continue;
+            }
+        } else {
+            if (entry == BVH_ENTRY_UNBOUNDED) {
+                first = scene.bounded_count;
+                count = scene.unbounded_count;
+            }
+            for (uint i = first; i < first + count; ++i) {
+                uint instance = scene.instance_order.at[i];
+                if (instance_admitted(scene.instances.at[instance].flags, mask)) {
+                    instance_closest(scene, instance, ray, hit);
                 }
             }
-            bool found = false;
-            while (stack_size > 0u && !found) {
-                --stack_size;
-                found = stack.enter[stack_size] <= hit.t;
-                entry = stack.entry[stack_size];
-            }
-            if (!found) break;
         }
-    }
-    for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
-        uint instance = scene.instance_order.at[i];
-        if (instance_admitted(scene.instances.at[instance].flags, mask)) instance_closest(scene, instance, ray, hit);
+        bool found = false;
+        while (stack_size > 0u && !found) {
+            --stack_size;
+            found = stack.enter[stack_size] <= hit.t;
+            entry = stack.entry[stack_size];
+        }
+        if (!found) break;
     }
     return hit;
 }
 
 FN bool trace_any(const_in(SceneView) scene, Ray ray, uint mask) {
-    for (uint i = scene.bounded_count; i < scene.bounded_count + scene.unbounded_count; ++i) {
-        uint instance = scene.instance_order.at[i];
-        if (instance_admitted(scene.instances.at[instance].flags, mask) && instance_any(scene, instance, ray))
-            return true;
-    }
-    if (scene.bounded_count == 0u) return false;
     SlabRay slab = instance_slab_ray(ray);
     BvhStack stack;
     uint stack_size = 0u;
-    uint entry = bvh_entry(scene.instance_nodes.at[0]);
+    if (scene.bounded_count > 0u) {
+        stack.entry[0] = bvh_entry(scene.instance_nodes.at[0]);
+        stack_size = 1u;
+    }
+    uint entry = BVH_ENTRY_UNBOUNDED;
     for (;;) {
         uint first = bvh_entry_first(entry);
         uint count = bvh_entry_count(entry);
@@ -189,6 +191,10 @@ FN bool trace_any(const_in(SceneView) scene, Ray ray, uint mask) {
                 continue;
             }
         } else {
+            if (entry == BVH_ENTRY_UNBOUNDED) {
+                first = scene.bounded_count;
+                count = scene.unbounded_count;
+            }
             for (uint i = first; i < first + count; ++i) {
                 uint instance = scene.instance_order.at[i];
                 if (instance_admitted(scene.instances.at[instance].flags, mask) && instance_any(scene, instance, ray)) {

@@ -23,23 +23,23 @@ struct VoxelPart {
 };
 
 FN bool voxel_is_air(const_in(SceneView) scene, const_in(VoxelGrid) grid, uint slot_first, ivec3 cell) {
-    return voxel_class(scene, slot_first, voxel_at(scene, grid, cell)) == VOXEL_AIR;
+    return voxel_class(scene, slot_first, voxel_in_tree(scene, grid, cell)) == VOXEL_AIR;
 }
 
 FN VoxelPart voxel_part(const_in(SceneView) scene, const_in(VoxelGrid) grid, uint slot_first, ivec3 cell,
                         uint palette) {
     VoxelPart part = VoxelPart(voxel_shape(scene, grid, palette), rounded_voxel(0.0f, 0u));
-    if (part.shape > 0.0f) {
-        uint exposed = 0u;
-        for (uint face = 0u; face < 6u; ++face) {
-            ivec3 neighbour = cell;
-            neighbour[face >> 1u] += (face & 1u) != 0u ? 1 : -1;
-            if (voxel_is_air(scene, grid, slot_first, neighbour)) exposed |= 1u << face;
-        }
-        part.rounded = rounded_voxel(part.shape, exposed);
-    } else if (part.shape < 0.0f && !voxel_is_air(scene, grid, slot_first, cell + ivec3(0, 1, 0))) {
-        part.shape = 0.0f;
+    if (part.shape == 0.0f) return part;
+    // What is round asks across all faces, waves ask above.
+    bool round = part.shape > 0.0f;
+    uint exposed = 0u;
+    for (uint face = round ? 0u : 3u; face < (round ? 6u : 4u); ++face) {
+        ivec3 neighbour = cell;
+        neighbour[face >> 1u] += (face & 1u) != 0u ? 1 : -1;
+        if (voxel_is_air(scene, grid, slot_first, neighbour)) exposed |= 1u << face;
     }
+    if (round) part.rounded = rounded_voxel(part.shape, exposed);
+    else if (exposed == 0u) part.shape = 0.0f;
     return part;
 }
 
@@ -119,44 +119,24 @@ FN void shaped_voxels_closest(const_in(SceneView) scene, uint grid_index, uint s
     stack.node[top] = grid.root;
     VoxelCube cube = voxel_cube(scene, grid, cell, top, stack);
     uint palette = cube.palette;
-    VoxelPart part = voxel_part(scene, grid, slot_first, cell, palette);
     vec3 p = ray_at(ray, r.enter);
     if (r.from_outside) p[r.enter_axis] = component(d, r.enter_axis) > 0.0f ? 0.0f : float(size[r.enter_axis]);
-    uint medium = voxel_holds(scene, grid, part, cell, p) ? voxel_class(scene, slot_first, palette) : VOXEL_AIR;
-    if (voxel_first_hit(ray, r, cell, palette, medium, hit)) return;
 
+    ivec3 next = cell;
+    bool inside = true;
+    uint left_palette = 0u;
+    uint medium = VOXEL_AIR;
+    uint axis = 0u;
+    bool forward = false;
     float t = r.enter;
     int steps = size.x + size.y + size.z;
-    for (int i = 0; i < steps; ++i) {
-        bool may_have_shape = voxel_shape(scene, grid, palette) != 0.0f;
-        VoxelStep step = voxel_step(ray, r, cell, may_have_shape ? 0u : cube.log2_edge);
-        if (part.shape != 0.0f) {
-            float before = hit.t;
-            voxel_inner_hit(scene, grid, part, cell, palette, ray, t, step.t, medium != VOXEL_AIR, hit);
-            if (hit.t < before) return;
-        }
-        t = step.t;
-        if (t >= hit.t) return;
-        ivec3 next = step.next;
-        uint axis = step.axis;
-        bool forward = component(d, axis) > 0.0f;
-        bool inside =
-            next.x >= 0 && next.y >= 0 && next.z >= 0 && next.x < size.x && next.y < size.y && next.z < size.z;
-        uint left_palette = palette;
-        if (!inside) {
-            palette = 0u;
-        } else {
-            uint changed = uint((cell.x ^ next.x) | (cell.y ^ next.y) | (cell.z ^ next.z));
-            if ((changed >> cube.log2_edge) != 0u) {  // else: still in the same cube
-                cube = voxel_cube(scene, grid, next, (31u - leading_zeros32(changed)) >> 1u, stack);
-                palette = cube.palette;
-            }
-        }
-        part = voxel_part(scene, grid, slot_first, next, palette);
-        p = ray_at(ray, t);
-        p[axis] = float(next[axis] + (forward ? 0 : 1));
+    for (int i = 0; i <= steps; ++i) {
+        VoxelPart part = voxel_part(scene, grid, slot_first, next, palette);
         uint entered = voxel_holds(scene, grid, part, next, p) ? voxel_class(scene, slot_first, palette) : VOXEL_AIR;
-        if (entered != medium) {
+        if (i == 0) {
+            if (voxel_first_hit(ray, r, next, palette, entered, hit)) return;
+            medium = entered;
+        } else if (entered != medium) {
             if (entered == VOXEL_AIR) {
                 ivec3 left = next;
                 left[axis] += forward ? -1 : 1;
@@ -170,6 +150,31 @@ FN void shaped_voxels_closest(const_in(SceneView) scene, uint grid_index, uint s
         }
         if (!inside) return;
         cell = next;
+        bool may_have_shape = voxel_shape(scene, grid, palette) != 0.0f;
+        VoxelStep step = voxel_step(ray, r, cell, may_have_shape ? 0u : cube.log2_edge);
+        if (part.shape != 0.0f) {
+            float before = hit.t;
+            voxel_inner_hit(scene, grid, part, cell, palette, ray, t, step.t, medium != VOXEL_AIR, hit);
+            if (hit.t < before) return;
+        }
+        t = step.t;
+        if (t >= hit.t) return;
+        next = step.next;
+        axis = step.axis;
+        forward = component(d, axis) > 0.0f;
+        inside = voxel_in_set(grid, next);
+        left_palette = palette;
+        if (!inside) {
+            palette = 0u;
+        } else {
+            uint changed = uint((cell.x ^ next.x) | (cell.y ^ next.y) | (cell.z ^ next.z));
+            if ((changed >> cube.log2_edge) != 0u) {  // else: still in the same cube
+                cube = voxel_cube(scene, grid, next, (31u - leading_zeros32(changed)) >> 1u, stack);
+                palette = cube.palette;
+            }
+        }
+        p = ray_at(ray, t);
+        p[axis] = float(next[axis] + (forward ? 0 : 1));
     }
 }
 

@@ -111,14 +111,23 @@ FN uint voxel_stratum(const_in(SceneView) scene, const_in(VoxelGrid) grid, int y
     return palette;
 }
 
-// Palette index of a cell; 0, empty, outside the set.
-FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
-    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= grid.size.x || c.y >= grid.size.y || c.z >= grid.size.z) return 0u;
-    if (grid.sdf != NONE) return voxel_sdf(scene, grid, c) <= 0.0f ? voxel_stratum(scene, grid, c.y) : 0u;
+FN bool voxel_in_set(const_in(VoxelGrid) grid, ivec3 c) {
+    return c.x >= 0 && c.y >= 0 && c.z >= 0 && c.x < grid.size.x && c.y < grid.size.y && c.z < grid.size.z;
+}
+
+// Palette index of a cell of a set that is a tree; 0, empty, outside the set.
+FN uint voxel_in_tree(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
+    if (!voxel_in_set(grid, c)) return 0u;
     VoxelStack stack;
     stack.node[grid.level_count - 1u] = grid.root;
     VoxelCube cube = voxel_cube(scene, grid, c, grid.level_count - 1u, stack);
     return cube.palette;
+}
+
+// The same of any set.
+FN uint voxel_at(const_in(SceneView) scene, const_in(VoxelGrid) grid, ivec3 c) {
+    if (grid.sdf == NONE) return voxel_in_tree(scene, grid, c);
+    return voxel_in_set(grid, c) && voxel_sdf(scene, grid, c) <= 0.0f ? voxel_stratum(scene, grid, c.y) : 0u;
 }
 
 // A face of a cell in two words, by which its light is found (light_of_primitive).

@@ -75,7 +75,9 @@ kernels::uint add_medium(Compilation& c, const kernels::Medium& medium);
 Result<kernels::uint> add_scene_medium(Compilation& c, int medium, const mat4x3& object_to_world);
 kernels::uint add_interior(Compilation& c, const kernels::Interior& interior);
 
-// compile_contacts.cpp: where surfaces of two instances may lie in the same place; after the top-level BVH is built.
+// compile_contacts.cpp: bound of the rounding error of positions on a surface within bounds in local space.
+float bounded_position_error(const mat4x3& object_to_world, vec3 lower, vec3 upper);
+// Where surfaces of two instances may lie in the same place; after the top-level BVH is built.
 Result<void> find_contacts(Compilation& c);
 
 // compile_environment.cpp: the environment image with its sampling tables, and its light.

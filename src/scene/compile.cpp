@@ -269,7 +269,7 @@ struct ShapeBuilder {
 };
 
 // All geometries that are used. Meshes come last: which of them are joined depends on what lies among them.
-Result<void> add_shapes(Compilation& c, bool has_camera) {
+Result<void> add_shapes(Compilation& c, bool has_camera, bool join_meshes) {
     const Scene& scene = c.scene;
     c.trees.resize(scene.geometries.size());
     c.shapes.resize(scene.geometries.size());
@@ -290,7 +290,7 @@ Result<void> add_shapes(Compilation& c, bool has_camera) {
             if (Result<void> added = add(i); !added) return added;
     c.joined.assign(scene.objects.size(), false);
     const Result<AcceleratorChoice> choice = choose_accelerator(c.accelerator);
-    if (choice) find_joins(c, *choice);  // else the first mesh tells why not
+    if (choice && join_meshes) find_joins(c, *choice);  // without a choice the first mesh tells why
     for (Compilation::Join& join : c.joins) {
         if (Result<void> built = build_join(c, join, *choice); !built) return built;
         for (const uint object : join.objects) due[std::size_t(scene.objects[object].geometry)] = false;
@@ -526,7 +526,7 @@ Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options)
 
     if (Result<void> added = add_textures(c); !added) return added.error();
     for (const Material& material : scene.materials) out.materials.push_back(material.values);
-    if (Result<void> added = add_shapes(c, camera.has_value()); !added) return added.error();
+    if (Result<void> added = add_shapes(c, camera.has_value(), options.join_meshes); !added) return added.error();
     c.emission_rate = emission_rate(c);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
         if (Result<void> added = add_instance(c, i); !added) return added.error();

@@ -173,14 +173,9 @@ Box surface_within(Compilation& c, const Placed& placed, const Box& region) {
 // Bound of the rounding error of positions on an instance's surface within a region: that of surface_at().
 float position_error(const Placed& placed, const Box& region) {
     const mat4x3& m = placed.instance.object_to_world;
-    const vec3 offset = glm::abs(m[3]);
-    float reach = kernels::max_component(offset) + magnitude(region);  // of an endless plane, as far as the region
-    if (placed.shape.bounded) {
-        const vec3 extent = glm::max(glm::abs(placed.shape.lower), glm::abs(placed.shape.upper));
-        const vec3 sum = glm::abs(m[0]) + glm::abs(m[1]) + glm::abs(m[2]);
-        reach = kernels::max_component(sum) * kernels::max_component(extent);
-    }
-    return kernels::ROUNDING_ERROR * (reach + kernels::max_component(offset));
+    if (placed.shape.bounded) return bounded_position_error(m, placed.shape.lower, placed.shape.upper);
+    const float offset = kernels::max_component(glm::abs(m[3]));
+    return kernels::ROUNDING_ERROR * (2 * offset + magnitude(region));  // of an endless plane, as far as the region
 }
 
 // Two planes that are one, up to rounding.
@@ -256,6 +251,13 @@ struct Finder {
 };
 
 }  // namespace
+
+float bounded_position_error(const mat4x3& m, vec3 lower, vec3 upper) {
+    const vec3 sum = glm::abs(m[0]) + glm::abs(m[1]) + glm::abs(m[2]);
+    const vec3 extent = glm::max(glm::abs(lower), glm::abs(upper));
+    return kernels::ROUNDING_ERROR *
+           (kernels::max_component(sum) * kernels::max_component(extent) + kernels::max_component(glm::abs(m[3])));
+}
 
 Result<void> find_contacts(Compilation& c) {
     CompiledScene& out = c.out;

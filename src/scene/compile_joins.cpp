@@ -3,9 +3,14 @@
 //
 // Joined are objects in one local space, of geometries that are placed once, whose surfaces stop all light and have no
 // inside: the rest of the renderer asks those one by one (kernels/locate.h, boundary.h), where the nearest must not
-// hide the others. For the same reason nothing that has an inside may touch them.
+// hide the others. For the same reason nothing that may have an inside touches them. And they are of like size: the
+// boxes of a tree are widened by what rounds over its whole extent (kernels/box.h), which must stay small beside its
+// triangles.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <map>
 #include <optional>
 
 #include "geometry/mesh/mesh_builder.h"
@@ -16,95 +21,113 @@ namespace {
 
 using kernels::uint;
 
-constexpr std::size_t most_triangles = std::size_t(1) << 26;  // of a join
+constexpr std::size_t most_triangles = std::size_t(1) << 24;  // of a join, which every layout can address
 constexpr std::size_t most_neighbours = 64;                   // with an inside, that a mesh's triangles are asked about
+constexpr float least_edge = 8e-6f;  // mean edge of a member's triangles to the reach of all: four times the padding
+
+const Box empty_box{vec3(kernels::INFINITE), vec3(-kernels::INFINITE)};
 
 bool overlap(const Box& a, const Box& b) {
     return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
 }
+Box grown(const Box& b, float by) { return {b.lower - by, b.upper + by}; }
+float reach_of(const Box& b) { return kernels::max_component(glm::max(glm::abs(b.lower), glm::abs(b.upper))); }
 
-Box bounds_of(const MeshGeometry& mesh, const mat4x3& transform) {
-    Box box{vec3(kernels::INFINITE), vec3(-kernels::INFINITE)};
-    for (const vec3& position : mesh.positions) {
-        const vec3 p = transform * vec4(position, 1);
-        box.lower = glm::min(box.lower, p);
-        box.upper = glm::max(box.upper, p);
-    }
+Box bounds_of(const MeshGeometry& mesh) {
+    Box box = empty_box;
+    for (const vec3& p : mesh.positions) box = {glm::min(box.lower, p), glm::max(box.upper, p)};
     return box;
+}
+
+const MeshGeometry* mesh_of(const Scene& scene, const Object& object) {
+    return std::get_if<MeshGeometry>(&scene.geometries[std::size_t(object.geometry)].data);
+}
+
+// A mesh that may be joined, in its local space.
+struct Candidate {
+    uint object;
+    Box bounds;
+    float edge = 0;  // of its triangles, the mean; 0: an index is wrong, which is told when the mesh is built
+};
+
+Candidate candidate_of(const Scene& scene, uint object) {
+    const MeshGeometry& mesh = *mesh_of(scene, scene.objects[object]);
+    Candidate c{object, bounds_of(mesh)};
+    double sum = 0;
+    for (const uvec3& t : mesh.triangles) {
+        if (std::max({t.x, t.y, t.z}) >= mesh.positions.size()) return c;
+        for (int corner = 0; corner < 3; ++corner)
+            sum += double(glm::distance(mesh.positions[t[corner]], mesh.positions[t[(corner + 1) % 3]]));
+    }
+    c.edge = float(sum / (3 * double(mesh.triangles.size())));
+    return c;
 }
 
 // Where an object that may have an inside stands.
 struct Hollow {
-    Box bounds;                          // in world space, wider than any rounding
+    Box bounds;                          // in world space
+    float error;                         // of positions on its surface
     std::optional<mat4x3> world_to_box;  // of boxes, whose surface is where a coordinate is ±1
 };
 
-class Finder {
+class Hollows {
   public:
-    explicit Finder(const Compilation& c) : c_(c), scene_(c.scene) {
-        for (const Object& object : scene_.objects)
-            if (may_have_inside(scene_, object)) hollow_.push_back(hollow_of(object));
+    explicit Hollows(const Compilation& c) : c_(c), mesh_bounds_(c.scene.geometries.size()) {
+        for (const Object& object : c.scene.objects)
+            if (may_have_inside(c.scene, object)) hollows_.push_back(hollow_of(object));
     }
 
-    bool may_join(const Object& object) const {
-        const auto* mesh = std::get_if<MeshGeometry>(&scene_.geometries[std::size_t(object.geometry)].data);
-        return mesh && mesh->triangles.size() <= most_triangles && is_shell(scene_, object) &&
-               !touches_hollow(*mesh, object.transform);
+    // Whether the surface of one may lie in the place of a triangle, up to twice of what compile_contacts.cpp takes
+    // into account.
+    bool touch(const MeshGeometry& mesh, const Box& local, const mat4x3& to_world) const {
+        const Box bounds = world_bounds(to_world, local.lower, local.upper);
+        const float error = bounded_position_error(to_world, local.lower, local.upper);
+        std::vector<const Hollow*> near;
+        for (const Hollow& hollow : hollows_)
+            if (overlap(hollow.bounds, grown(bounds, margin(hollow, error)))) near.push_back(&hollow);
+        if (near.size() > most_neighbours) return true;
+        return !near.empty() && std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const uvec3& triangle) {
+            Box box = empty_box;
+            for (int corner = 0; corner < 3; ++corner) {
+                const vec3 p = to_world * vec4(mesh.positions[triangle[corner]], 1);
+                box = {glm::min(box.lower, p), glm::max(box.upper, p)};
+            }
+            return std::any_of(near.begin(), near.end(), [&](const Hollow* hollow) {
+                return touches(*hollow, grown(box, margin(*hollow, error)));
+            });
+        });
     }
 
   private:
-    Hollow hollow_of(const Object& object) const {
-        const auto* mesh = std::get_if<MeshGeometry>(&scene_.geometries[std::size_t(object.geometry)].data);
-        const Compilation::Shape& shape = c_.shapes[std::size_t(object.geometry)];
-        if (!mesh && !shape.bounded) return {{vec3(-kernels::INFINITE), vec3(kernels::INFINITE)}, {}};
-        Hollow hollow;
-        if (mesh) {
-            hollow.bounds = bounds_of(*mesh, object.transform);
-        } else {
-            const mat4x3 to_world = affine_product(object.transform, shape.bake);
-            hollow.bounds = world_bounds(to_world, shape.lower, shape.upper);
-            if (shape.kind == kernels::GEOMETRY_BOX) hollow.world_to_box = affine_inverse(to_world);
-        }
-        const float size =
-            kernels::max_component(glm::max(glm::abs(hollow.bounds.lower), glm::abs(hollow.bounds.upper)));
-        hollow.bounds.lower -= margin * size;
-        hollow.bounds.upper += margin * size;
-        return hollow;
-    }
-
-    bool touches_hollow(const MeshGeometry& mesh, const mat4x3& transform) const {
-        std::vector<const Hollow*> near;
-        const Box bounds = bounds_of(mesh, transform);
-        for (const Hollow& hollow : hollow_)
-            if (overlap(hollow.bounds, bounds)) near.push_back(&hollow);
-        if (near.empty()) return false;
-        if (near.size() > most_neighbours) return true;
-        return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const uvec3& triangle) {
-            Box box{vec3(kernels::INFINITE), vec3(-kernels::INFINITE)};
-            for (int corner = 0; corner < 3; ++corner) {
-                if (triangle[corner] >= mesh.positions.size()) return true;  // refused when it is built
-                const vec3 p = transform * vec4(mesh.positions[triangle[corner]], 1);
-                box.lower = glm::min(box.lower, p);
-                box.upper = glm::max(box.upper, p);
-            }
-            return std::any_of(near.begin(), near.end(), [&](const Hollow* hollow) { return touches(*hollow, box); });
-        });
-    }
+    static float margin(const Hollow& hollow, float error) { return 8 * std::max(hollow.error, error); }
 
     static bool touches(const Hollow& hollow, const Box& box) {
         if (!overlap(hollow.bounds, box)) return false;
         if (!hollow.world_to_box) return true;
         // Well inside of a box of fog is not on its surface.
-        const Box local = world_bounds(*hollow.world_to_box, box.lower, box.upper);
-        const float most = kernels::max_component(glm::max(glm::abs(local.lower), glm::abs(local.upper)));
-        return !(most < 1 - margin);
+        return !(reach_of(world_bounds(*hollow.world_to_box, box.lower, box.upper)) < 1);
     }
 
-    static constexpr float margin = 1e-4f;
+    Hollow hollow_of(const Object& object) {
+        const auto index = std::size_t(object.geometry);
+        Compilation::Shape shape = c_.shapes[index];
+        if (const MeshGeometry* mesh = mesh_of(c_.scene, object)) {  // these have no shape yet
+            if (!mesh_bounds_[index]) mesh_bounds_[index] = bounds_of(*mesh);
+            shape.lower = mesh_bounds_[index]->lower;
+            shape.upper = mesh_bounds_[index]->upper;
+        }
+        if (!shape.bounded) return {{vec3(-kernels::INFINITE), vec3(kernels::INFINITE)}, 0, {}};
+        const mat4x3 to_world = affine_product(object.transform, shape.bake);
+        Hollow hollow{world_bounds(to_world, shape.lower, shape.upper),
+                      bounded_position_error(to_world, shape.lower, shape.upper),
+                      {}};
+        if (shape.kind == kernels::GEOMETRY_BOX) hollow.world_to_box = affine_inverse(to_world);
+        return hollow;
+    }
 
     const Compilation& c_;
-    const Scene& scene_;
-    std::vector<Hollow> hollow_;
+    std::vector<std::optional<Box>> mesh_bounds_;  // parallel to Scene::geometries
+    std::vector<Hollow> hollows_;
 };
 
 bool is_joinable(const AcceleratorChoice& choice) {
@@ -113,9 +136,29 @@ bool is_joinable(const AcceleratorChoice& choice) {
            choice.test->test == kernels::TRIANGLE_WATERTIGHT;
 }
 
-std::size_t triangle_count(const Scene& scene, uint object) {
-    const Geometry& geometry = scene.geometries[std::size_t(scene.objects[object].geometry)];
-    return std::get<MeshGeometry>(geometry.data).triangles.size();
+// Of candidates in one space, those of like size together.
+void join(const Scene& scene, std::vector<Candidate> candidates, std::vector<Compilation::Join>& joins) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return reach_of(a.bounds) < reach_of(b.bounds); });
+    std::vector<uint> members;
+    std::size_t triangles = 0;
+    float edge = kernels::INFINITE;
+    const auto finish = [&] {
+        std::sort(members.begin(), members.end());
+        if (members.size() > 1) joins.push_back({members});
+        members.clear();
+        triangles = 0;
+        edge = kernels::INFINITE;
+    };
+    for (const Candidate& c : candidates) {
+        const std::size_t count = mesh_of(scene, scene.objects[c.object])->triangles.size();
+        if (triangles + count > most_triangles || !(std::min(edge, c.edge) >= least_edge * reach_of(c.bounds)))
+            finish();
+        members.push_back(c.object);
+        triangles += count;
+        edge = std::min(edge, c.edge);
+    }
+    finish();
 }
 
 }  // namespace
@@ -125,31 +168,34 @@ void find_joins(Compilation& c, const AcceleratorChoice& choice) {
     if (!is_joinable(choice)) return;
     std::vector<int> uses(scene.geometries.size(), 0);
     for (const Object& object : scene.objects) ++uses[std::size_t(object.geometry)];
-    struct Begun {
-        Compilation::Join join;
-        std::size_t triangles = 0;
-    };
-    std::vector<Begun> begun;  // one for each transform
-    const Finder finder(c);
-    const auto keep = [&](Begun& full) {
-        if (full.join.objects.size() > 1) c.joins.push_back(std::move(full.join));
-        full = {};
-    };
+    using Key = std::array<float, 12>;
+    std::map<Key, std::vector<uint>> spaces;
     for (uint i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
-        if (uses[std::size_t(object.geometry)] != 1 || !finder.may_join(object)) continue;
-        auto to = std::find_if(begun.begin(), begun.end(), [&](const Begun& b) {
-            return scene.objects[b.join.objects[0]].transform == object.transform;
-        });
-        if (to == begun.end()) to = begun.insert(begun.end(), Begun{});
-        const std::size_t count = triangle_count(scene, i);
-        if (to->triangles + count > most_triangles) keep(*to);
-        to->join.objects.push_back(i);
-        to->triangles += count;
+        const MeshGeometry* mesh = mesh_of(scene, object);
+        if (!mesh || uses[std::size_t(object.geometry)] != 1 || !is_shell(scene, object)) continue;
+        Key key;
+        static_assert(sizeof key == sizeof object.transform);
+        std::memcpy(key.data(), &object.transform, sizeof key);
+        spaces[key].push_back(i);
     }
-    for (Begun& rest : begun) keep(rest);
-    for (const Compilation::Join& join : c.joins)
-        for (const uint object : join.objects) c.joined[object] = true;
+    std::optional<Hollows> hollows;
+    for (const auto& [key, objects] : spaces) {
+        if (objects.size() < 2) continue;
+        if (!hollows) hollows.emplace(c);
+        std::vector<Candidate> candidates;
+        for (const uint object : objects) {
+            const Candidate candidate = candidate_of(scene, object);
+            const Object& o = scene.objects[object];
+            if (candidate.edge > 0 && !hollows->touch(*mesh_of(scene, o), candidate.bounds, o.transform))
+                candidates.push_back(candidate);
+        }
+        join(scene, std::move(candidates), c.joins);
+    }
+    std::sort(c.joins.begin(), c.joins.end(),
+              [](const Compilation::Join& a, const Compilation::Join& b) { return a.objects[0] < b.objects[0]; });
+    for (const Compilation::Join& joined : c.joins)
+        for (const uint object : joined.objects) c.joined[object] = true;
 }
 
 Result<void> build_join(Compilation& c, Compilation::Join& join, const AcceleratorChoice& choice) {

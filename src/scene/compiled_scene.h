@@ -76,6 +76,7 @@ struct CompileOptions {
     ivec2 size = {0, 0};                         // of the film; (0, 0): the scene's
     std::string integrator = {};                 // what it will be rendered by; empty: the scene's
     AcceleratorSettings accelerator = {"", ""};  // empty names: the scene's; with a structure: its default preset
+    bool join_meshes = true;  // meshes in one local space are walked as one where that is no different
 };
 
 // Validates, builds acceleration structures, majorants and light tables. Errors name the thing and what is allowed.

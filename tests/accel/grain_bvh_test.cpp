@@ -8,6 +8,7 @@
 #include <random>
 
 #include "accel/morton_grains.h"
+#include "accel/signed_bounds.h"
 #include "accel/split_bvh.h"
 #include "core/parallel.h"
 
@@ -27,8 +28,8 @@ std::vector<Box> random_boxes(std::size_t count, std::uint32_t seed, float size 
 }
 
 // Each box in exactly one leaf, `usable` in all, inside of its ancestors; children behind their parents; boxes below
-// a left child stand just before those below the right one.
-void check(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, std::uint32_t most) {
+// a left child stand just before those below the right one, but for nodes above `groups`.
+void check(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, std::uint32_t most, std::size_t groups) {
     ASSERT_EQ(bvh.order.size(), usable);
     std::vector<int> named(boxes.size()), held(bvh.order.size());
     std::vector<std::uint32_t> depth(bvh.nodes.size());
@@ -60,13 +61,22 @@ void check(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, st
         std::uint32_t first, end;
     };
     std::vector<Range> below(bvh.nodes.size());
+    std::size_t scattered = 0;
     for (std::size_t n = bvh.nodes.size(); n-- > 0;) {
         const kernels::BvhNode& node = bvh.nodes[n];
         below[n] = {node.first, node.first + node.count};
         if (node.count > 0) continue;
-        ASSERT_EQ(below[node.first].end, below[node.first + 1].first);
-        below[n] = {below[node.first].first, below[node.first + 1].end};
+        const Range &left = below[node.first], &right = below[node.first + 1];
+        const bool together = left.end > 0 && right.end > 0 && left.end == right.first;
+        below[n] = together ? Range{left.first, right.end} : Range{0, 0};
+        scattered += !together;
     }
+    EXPECT_LE(scattered, groups > 0 ? groups - 1 : 0);
+}
+
+// Of a tree of build_grain_bvh().
+void check_grains(const Bvh& bvh, const std::vector<Box>& boxes, std::size_t usable, std::uint32_t most) {
+    check(bvh, boxes, usable, most, morton_grains(boxes, 32).grains.size());
 }
 
 double area_of(const glm::vec3& e) { return double(e.x) * e.y + double(e.y) * e.z + double(e.z) * e.x; }
@@ -83,7 +93,7 @@ TEST(GrainBvh, every_box_lies_in_one_leaf_and_in_all_its_ancestors) {
     for (const std::size_t count : {0, 1, 2, 4, 5, 15, 16, 17, 33, 1000, 70000})
         for (const std::uint32_t leaf : {1u, 4u, kernels::BVH_MAX_LEAF}) {
             const std::vector<Box> boxes = random_boxes(count, 1);
-            check(build_grain_bvh(boxes, {.leaf = leaf}), boxes, count, leaf);
+            check_grains(build_grain_bvh(boxes, {.leaf = leaf}), boxes, count, leaf);
         }
 }
 
@@ -117,21 +127,21 @@ TEST(GrainBvh, a_small_thing_in_a_large_scene_is_sorted_by_a_curve_of_its_own) {
     boxes.push_back({glm::vec3(-1e4f), glm::vec3(-1e4f + 1)});
     boxes.push_back({glm::vec3(1e4f), glm::vec3(1e4f + 1)});
     const Bvh tree = build_grain_bvh(boxes);
-    check(tree, boxes, boxes.size(), 4);
+    check_grains(tree, boxes, boxes.size(), 4);
     EXPECT_LT(cost(tree, small), 1.1 * alone);
 }
 
 TEST(GrainBvh, boxes_in_one_place_and_far_out_and_of_no_size_are_divided) {
     const std::vector<Box> same(10000, Box{glm::vec3(1), glm::vec3(2)});
-    check(build_grain_bvh(same), same, same.size(), 4);
+    check_grains(build_grain_bvh(same), same, same.size(), 4);
     std::vector<Box> extreme = random_boxes(3000, 5);
     for (std::size_t i = 0; i < extreme.size(); ++i) {
         const float scale = i % 3 == 0 ? 3e37f : i % 3 == 1 ? 1e-38f : 1.0f;
         extreme[i].lower *= scale;
         extreme[i].upper *= scale;
     }
-    check(build_grain_bvh(extreme), extreme, extreme.size(), 4);
-    check(build_split_bvh(extreme, {}), extreme, extreme.size(), 4);
+    check_grains(build_grain_bvh(extreme), extreme, extreme.size(), 4);
+    check(build_split_bvh(extreme, {}), extreme, extreme.size(), 4, 0);
 }
 
 TEST(GrainBvh, boxes_that_are_not_finite_or_inverted_are_left_out) {
@@ -142,8 +152,71 @@ TEST(GrainBvh, boxes_that_are_not_finite_or_inverted_are_left_out) {
     boxes[30].upper.y = inf;
     boxes[40].lower.y = -inf;
     boxes[50] = {glm::vec3(1), glm::vec3(-1)};
-    check(build_grain_bvh(boxes), boxes, 995, 4);
-    check(build_grain_bvh(std::vector<Box>(7, Box{glm::vec3(nan), glm::vec3(nan)})), std::vector<Box>(7), 0, 4);
+    check_grains(build_grain_bvh(boxes), boxes, 995, 4);
+    check_grains(build_grain_bvh(std::vector<Box>(7, Box{glm::vec3(nan), glm::vec3(nan)})), std::vector<Box>(7), 0, 4);
+}
+
+TEST(SplitBvh, every_box_lies_in_one_leaf_and_in_all_its_ancestors) {
+    for (const std::size_t count : {1, 2, 5, 33, 1000, 70000})
+        for (const std::uint32_t leaf : {1u, 4u}) {
+            const std::vector<Box> boxes = random_boxes(count, 9);
+            check(build_split_bvh(boxes, {.max_leaf = leaf, .min_leaf = leaf}), boxes, count, leaf, 0);
+        }
+}
+
+std::vector<kernels::Triangle> random_triangles(std::size_t count, std::uint32_t seed) {
+    std::vector<kernels::Triangle> triangles;
+    for (const Box& box : random_boxes(count, seed))
+        triangles.push_back(
+            {box.lower, {box.upper.x, box.lower.y, box.upper.z}, {box.lower.x, box.upper.y, box.lower.z}});
+    return triangles;
+}
+
+TEST(WideGrains, cost_what_the_binary_tree_over_the_boxes_costs_when_it_is_collapsed) {
+    for (const std::size_t count : {1, 3, 4, 5, 8, 9, 33, 1000, 70000}) {
+        const std::vector<kernels::Triangle> triangles = random_triangles(count, 10);
+        std::vector<Box> boxes;
+        for (const kernels::Triangle& t : triangles)
+            boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
+        const WideBvh wide = build_wide_grains(triangles), collapsed = collapse_bvh(build_grain_bvh(boxes), triangles);
+        EXPECT_EQ(wide.statistics.triangle_count, count);
+        EXPECT_NEAR(wide.statistics.sah_cost, collapsed.statistics.sah_cost, 0.01 * collapsed.statistics.sah_cost);
+        EXPECT_EQ(wide.units.size(), wide.statistics.node_count * kernels::WIDE_NODE_UNITS +
+                                         wide.statistics.block_count * kernels::WIDE_BLOCK_UNITS);
+    }
+    EXPECT_TRUE(build_wide_grains({}).units.empty());
+}
+
+TEST(WideGrains, the_tree_does_not_depend_on_the_number_of_threads) {
+    const std::vector<kernels::Triangle> triangles = random_triangles(200000, 11);
+    WideBvh first;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        WideBvh tree = build_wide_grains(triangles);
+        if (threads == 1) first = std::move(tree);
+        else {
+            ASSERT_EQ(tree.units.size(), first.units.size());
+            EXPECT_EQ(std::memcmp(tree.units.data(), first.units.data(), tree.units.size() * sizeof(tree.units[0])), 0);
+        }
+    }
+}
+
+TEST(SignedBounds, are_usable_where_both_corners_are_finite_and_ordered) {
+    const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity(),
+                most = std::numeric_limits<float>::max();
+    const auto usable = [](const glm::vec3& lower, const glm::vec3& upper) {
+        return is_usable(signed_bounds(Box{lower, upper}));
+    };
+    EXPECT_TRUE(usable(glm::vec3(-most), glm::vec3(most)));
+    EXPECT_TRUE(usable(glm::vec3(1), glm::vec3(1)));
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float bad : {nan, inf, -inf}) {
+            glm::vec3 p(0);
+            p[axis] = bad;
+            EXPECT_FALSE(usable(p, glm::vec3(1)));
+            EXPECT_FALSE(usable(glm::vec3(-1), p));
+        }
+    EXPECT_FALSE(usable(glm::vec3(0), glm::vec3(1, -1, 1)));
 }
 
 TEST(MortonGrains, follow_each_other_and_hold_no_more_than_asked_for) {

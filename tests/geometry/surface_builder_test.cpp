@@ -244,9 +244,9 @@ TEST(VolumeSurface, a_solid_without_an_end_ends_at_the_outermost_samples) {
     EXPECT_NEAR(scene.closest(Ray(vec3(4, 3, 2.5f), 0, vec3(0, 0, -2), INFINITE)).t, 1, 1e-5f);
 }
 
-// A long floor with a wall one sample thick across its far end. Rays that graze the floor crawl; none may step over the
-// wall.
-TEST(VolumeSurface, thin_walls_stop_rays_that_graze_a_floor) {
+// A long floor with a wall across its far end, of one layer of samples. Rays that graze the floor crawl, half a sample
+// at a time at most; none may step over the wall.
+TEST(VolumeSurface, walls_of_one_layer_stop_rays_that_graze_a_floor) {
     const SurfaceScene scene(grid_of({900, 40, 6},
                                      [](ivec3 i) {
                                          const float floor = float(i.y) - 9.0f;

@@ -47,15 +47,6 @@ class JoinScene {
     int add_soup(const mat4x3& transform = mat4x3(1), int material = diffuse) {
         return add({"", soup(int(scene.objects.size()))}, transform, material);
     }
-    // Each mesh once more, far away, so that none is joined.
-    Scene apart() const {
-        Scene copy = scene;
-        for (const Object& object : scene.objects) {
-            copy.objects.push_back(object);
-            copy.objects.back().transform[3] += vec3(1e5f, 0, 0);
-        }
-        return copy;
-    }
     Scene scene;
 };
 
@@ -69,8 +60,9 @@ std::vector<std::vector<int>> joins_of(const CompiledScene& scene) {
     return joins;
 }
 
-CompiledScene compiled(const Scene& scene, const std::string& structure = "") {
+CompiledScene compiled(const Scene& scene, const std::string& structure = "", bool join = true) {
     CompileOptions options;
+    options.join_meshes = join;
     options.accelerator.structure = structure;
     Result<CompiledScene> result = compile(scene, options);
     EXPECT_TRUE(result) << result.error().message;
@@ -88,7 +80,10 @@ TEST(Joins, meshes_of_one_space_that_stop_all_light_are_joined) {
     EXPECT_EQ(joins_of(compiled(s.scene)), (Joins{{a, c, e}, {b, d}}));
     EXPECT_EQ(joins_of(compiled(s.scene, "wide-bvh8-compact")), (Joins{{a, c, e}, {b, d}}));
     EXPECT_EQ(joins_of(compiled(s.scene, "bvh2")), Joins{});
-    EXPECT_EQ(joins_of(compiled(s.apart())), Joins{}) << "a geometry that is placed twice is not joined";
+    EXPECT_EQ(joins_of(compiled(s.scene, "", false)), Joins{});
+    JoinScene twice = s;
+    twice.scene.objects.push_back(s.scene.objects[std::size_t(a)]);
+    EXPECT_EQ(joins_of(compiled(twice.scene)), (Joins{{b, d}, {c, e}})) << "what is placed twice is not joined";
     const CompiledScene joined = compiled(s.scene);
     EXPECT_EQ(joined.instance_order.size(), 4u);
     EXPECT_EQ(joined.view().unbounded_count, 0u);
@@ -116,6 +111,37 @@ TEST(Joins, what_touches_an_inside_stays_alone) {
     EXPECT_EQ(joins_of(compiled(sea.scene)), Joins{});
 }
 
+MeshGeometry quad(float half, float y) {
+    MeshGeometry mesh;
+    mesh.positions = {{-half, y, -half}, {half, y, -half}, {half, y, half}, {-half, y, half}};
+    mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+    return mesh;
+}
+
+// The ball does not reach the ground, but positions on so large a one are no better known than that.
+TEST(Joins, what_is_near_an_inside_by_its_own_rounding_stays_alone) {
+    JoinScene s;
+    const int a = s.add({"", quad(1, 5)}, mat4x3(1), diffuse);
+    const int ground = s.add({"", quad(1e5f, -1.02f)}, mat4x3(1), diffuse);
+    const int b = s.add({"", quad(1, 7)}, mat4x3(1), diffuse);
+    EXPECT_EQ(joins_of(compiled(s.scene)), (Joins{{a, ground, b}}));
+    s.add({"", SphereGeometry{1}}, mat4x3(1), glass);
+    EXPECT_EQ(joins_of(compiled(s.scene)), (Joins{{a, b}}));
+}
+
+// One large mesh would widen all boxes of fine ones by more than their triangles measure.
+TEST(Joins, fine_meshes_are_not_joined_with_vast_ones) {
+    JoinScene s;
+    for (int i = 0; i < 2; ++i) {
+        s.add_soup();
+        for (vec3& p : std::get<MeshGeometry>(s.scene.geometries.back().data).positions) p *= 0.01f;
+    }
+    s.add({"", quad(1e5f, -1)}, mat4x3(1), diffuse);
+    EXPECT_EQ(joins_of(compiled(s.scene)), (Joins{{0, 1}}));
+    s.add({"", quad(1e5f, -2)}, mat4x3(1), diffuse);
+    EXPECT_EQ(joins_of(compiled(s.scene)), (Joins{{0, 1}, {2, 3}}));
+}
+
 std::vector<TraceRay> rays_at(float size) {
     std::vector<TraceRay> rays;
     Random random(9);
@@ -139,7 +165,7 @@ TEST(Joins, hits_are_those_of_meshes_walked_one_by_one) {
     s.add_soup(moved({0.25f, 0, 0}));
     const std::vector<TraceRay> rays = rays_at(8);
     for (const std::string structure : {"wide-bvh8", "wide-bvh8-compact"}) {
-        const CompiledScene joined = compiled(s.scene, structure), apart = compiled(s.apart(), structure);
+        const CompiledScene joined = compiled(s.scene, structure), apart = compiled(s.scene, structure, false);
         ASSERT_EQ(joins_of(joined), (Joins{{0, 1, 2, 4, 5, 6, 7}}));
         ASSERT_EQ(joins_of(apart), Joins{});
         for (const bool any : {false, true}) {

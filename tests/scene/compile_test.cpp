@@ -53,7 +53,11 @@ TEST(Compile, a_mesh_takes_room_for_the_attributes_that_it_has_only) {
     const auto compiled = compile(scene);
     ASSERT_TRUE(compiled) << compiled.error().message;
     const auto& meshes = compiled->meshes;
-    ASSERT_EQ(meshes.size(), 3u);
+    ASSERT_EQ(meshes.size(), 4u) << "the three, and that of all their triangles";
+    for (const kernels::uint first : {meshes[3].uv_first, meshes[3].second_uv_first, meshes[3].normal_first,
+                                      meshes[3].tangent_first, meshes[3].color_first})
+        EXPECT_EQ(first, kernels::NONE);
+    EXPECT_EQ(meshes[3].triangle_count, 3u);
     EXPECT_EQ(meshes[0].uv_first, kernels::NONE);
     EXPECT_EQ(meshes[0].normal_first, kernels::NONE);
     EXPECT_EQ(meshes[0].tangent_first, kernels::NONE);

@@ -38,6 +38,13 @@ inline constexpr std::string_view case_scene_json = R"json({
     "cubic": {"type": "volume", "size": [10, 1, 2], "filter": "cubic", "precision": "16 bits",
               "values": [0, 1, 2, 0.5, 0, 1, 1, 3, 0, 2, 0.1, 1, 0, 2, 1, 1, 0.3, 2, 0.7, 3],
               "transform": [{"scale": [0.2, 1.8, 0.9]}, {"translate": [-1, -1, -1]}]},
+    "pebble": {"type": "volume", "as": "surface", "size": [3, 3, 3], "transform": [{"translate": [-1.5, -1.5, -1.5]}],
+               "values": [1.2, 0.9, 1.1, 0.8, 0.3, 0.6, 1.2, 1, 1.3, 0.7, 0.2, 0.5, 0.1, -0.9, -0.2, 0.6, 0.2, 0.7,
+                          1.1, 0.8, 1, 0.9, 0.4, 0.7, 1.3, 1, 1.2]},
+    "blob": {"type": "volume", "as": "surface", "level": 0.4, "solid": "above", "filter": "cubic", "precision": "half",
+             "size": [3, 3, 3], "transform": [{"translate": [-1.5, -1.5, -1.5]}],
+             "values": [0, 0.1, 0, 0.2, 0.9, 0.3, 0, 0.1, 0, 0.3, 1, 0.2, 0.9, 2, 1, 0.2, 1.1, 0.4,
+                        0, 0.2, 0, 0.1, 0.8, 0.2, 0, 0.1, 0]},
     "bytes": {"type": "volume", "size": [1, 2, 9], "precision": "8 bits",
               "values": [0, 1, 2, 0.5, 0, 1, 1, 3, 0, 2, 0.1, 1, 0, 2, 1, 1, 0.3, 2],
               "transform": [{"scale": [1.8, 0.9, 0.2]}, {"translate": [-1, -1, -1]}]}
@@ -66,7 +73,9 @@ inline constexpr std::string_view case_scene_json = R"json({
     {"geometry": "nearest", "material": null, "interior": "mist", "transform": [{"translate": [0.2, 0, 0.1]}]},
     {"geometry": "half", "material": null, "interior": "dust"},
     {"geometry": "cubic", "material": null, "interior": "silk", "transform": [{"translate": [0.1, 0.3, 0.2]}]},
-    {"geometry": "bytes", "material": null, "interior": "snow"}
+    {"geometry": "bytes", "material": null, "interior": "snow"},
+    {"geometry": "pebble", "material": "matte", "transform": [{"scale": [0.8, 0.6, 0.7]}, {"translate": [0, 2.5, 0]}]},
+    {"geometry": "blob", "material": "water", "transform": [{"translate": [0, -2.5, 0]}]}
   ]
 })json";
 

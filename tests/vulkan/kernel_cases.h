@@ -38,7 +38,7 @@ const uint CASE_MATERIAL = 64u;
 const uint MATERIAL_VARIANTS = 256u;  // of each kind in SceneView::materials, in the order of the kinds' numbers
 
 // What case_scene.h holds.
-const uint CASE_SDF_COUNT = 2u;
+const uint CASE_SDF_COUNT = 4u;
 const uint CASE_HOMOGENEOUS_COUNT = 2u;  // interiors, the first ones
 const uint CASE_DENSITY_FIRST = 2u;      // media with a grid
 const uint CASE_DENSITY_COUNT = 6u;
@@ -189,8 +189,8 @@ FN CaseResult sky_case(uint i) {
 
 FN CaseResult sdf_case(const_in(SceneView) scene, uint i) {
     Rng r = Rng(hash_uint(i), 0u);
-    vec3 p = draw_vector(r, -1.0f, 1.0f);
     uint sdf = i % CASE_SDF_COUNT;
+    vec3 p = 0.5f * (scene.sdfs.at[sdf].lower + scene.sdfs.at[sdf].upper) + draw_vector(r, -1.0f, 1.0f);
     return CaseResult(uvec4(0u), sdf_distance_gradient(scene, sdf, p),
                       vec4(sdf_distance(scene, sdf, p), 0.0f, 0.0f, 0.0f));
 }

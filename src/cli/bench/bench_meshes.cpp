@@ -15,19 +15,18 @@ namespace {
 using kernels::Hit;
 using kernels::Ray;
 
+// Each mesh with a structure of its own, as only the wide ones can be joined.
+Result<CompiledScene> compile_apart(const Scene& scene, const AcceleratorSettings& accelerator) {
+    return compile(scene, {.accelerator = accelerator, .join_meshes = false});
+}
+
 // What building all meshes of the scene takes on some threads, the structures alone.
 Result<double> build_milliseconds(const Scene& scene, const AcceleratorSettings& accelerator, int threads) {
     const ThreadLimit limit(threads);
-    std::vector<bool> used(scene.geometries.size(), false);
-    for (const Object& object : scene.objects) used[std::size_t(object.geometry)] = true;
+    const Result<CompiledScene> built = compile_apart(scene, accelerator);
+    if (!built) return built.error();
     double sum = 0;
-    for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
-        const auto* mesh = std::get_if<MeshGeometry>(&scene.geometries[i].data);
-        if (!mesh || !used[i]) continue;
-        const Result<MeshData> data = build_mesh(*mesh, accelerator);
-        if (!data) return data.error();
-        sum += data->statistics.build_ms;
-    }
+    for (const MeshStatistics& mesh : built->mesh_statistics) sum += mesh.build_ms;
     return sum;
 }
 
@@ -36,7 +35,6 @@ BenchStructure structure_of(const MeshStructure& row, const std::shared_ptr<cons
     s.name = row.name;
     double weighted = 0, triangles = 0;
     for (std::size_t i = 0; i < scene->meshes.size(); ++i) {
-        if (scene->meshes[i].walk == kernels::MESH_WALK_JOINED) continue;
         const MeshStatistics& statistics = scene->mesh_statistics[i];
         s.bytes += double(statistics.bytes);
         s.depth = std::max(s.depth, statistics.depth);
@@ -54,8 +52,8 @@ BenchStructure structure_of(const MeshStructure& row, const std::shared_ptr<cons
     };
     s.triangle = [scene](const Hit& hit) {
         const kernels::Instance& shown = scene->instances[hit.instance];
-        return shown.geometry_kind == kernels::GEOMETRY_MESH ? scene->triangle_infos[hit.primitive].primitive
-                                                             : hit.primitive;
+        if (shown.geometry_kind != kernels::GEOMETRY_MESH) return hit.primitive;
+        return scene->triangle_infos[scene->meshes[shown.geometry].triangle_first + hit.primitive].primitive;
     };
     s.count = [scene, view = scene->view()](const Ray& ray, bool any) {
         kernels::WalkCount count = kernels::no_count();
@@ -94,7 +92,7 @@ Result<std::vector<HeatMap>> bench_meshes(const Scene& scene, const BenchRays& r
         if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), row.name) == wanted.end()) continue;
         const AcceleratorSettings accelerator{
             row.name, options.triangle_test.empty() ? scene.accelerator.triangle_test : options.triangle_test};
-        Result<CompiledScene> compiled = compile(scene, {.accelerator = accelerator});
+        Result<CompiledScene> compiled = compile_apart(scene, accelerator);
         if (!compiled) return compiled.error();
         const auto shared = std::make_shared<const CompiledScene>(std::move(*compiled));
         BenchStructure s = structure_of(row, shared);

@@ -137,8 +137,8 @@ SPINEL_INLINE BlockHits hit_triangles(const float* block, const Shear& s, __m128
     return hits;
 }
 
-// The same for eight triangles that are sheared already; a lane without a bit in `asked` holds anything. `heights`
-// tells z of the corners a, b and c, and is asked only if any triangle is in the way.
+// The same for eight triangles, of one ray or of eight, that are sheared already; a lane without a bit in `asked` holds
+// anything. `heights` tells z of the corners a, b and c, and is asked only if any triangle is in the way.
 SPINEL_INLINE __m256 difference_of_products(__m256 a, __m256 b, __m256 c, __m256 d) {
     const __m256 cd = _mm256_mul_ps(c, d);
     return _mm256_add_ps(_mm256_fmsub_ps(a, b, cd), _mm256_fnmadd_ps(c, d, cd));

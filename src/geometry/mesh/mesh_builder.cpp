@@ -112,13 +112,9 @@ Result<MeshData> read_mesh(const MeshGeometry& mesh, const AcceleratorChoice& ch
 
 Result<MeshStructureData> build_structure(std::span<const kernels::Triangle> triangles,
                                           const AcceleratorChoice& choice) {
-    std::vector<Box> boxes;
-    boxes.reserve(triangles.size());
-    for (const kernels::Triangle& t : triangles)
-        boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
     MeshStructureData out;
     const auto start = std::chrono::steady_clock::now();
-    const Result<void> built = choice.structure->build({triangles, boxes, choice.preset}, out.arrays, out.statistics);
+    const Result<void> built = choice.structure->build({triangles, choice.preset}, out.arrays, out.statistics);
     if (!built) return built.error();
     out.statistics.build_ms = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return out;

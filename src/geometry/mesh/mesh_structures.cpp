@@ -32,20 +32,28 @@ Result<void> take(Bvh&& bvh, MeshArrays& arrays, MeshStatistics& statistics) {
     return {};
 }
 
+std::vector<Box> boxes_of(std::span<const kernels::Triangle> triangles) {
+    std::vector<Box> boxes;
+    boxes.reserve(triangles.size());
+    for (const kernels::Triangle& t : triangles)
+        boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
+    return boxes;
+}
+
 Result<void> build_stackless(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
-    if (auto r = take(build_bvh(input.boxes), arrays, statistics); !r) return r;
+    if (auto r = take(build_bvh(boxes_of(input.triangles)), arrays, statistics); !r) return r;
     arrays.nodes = with_skip_links(arrays.nodes);
     return {};
 }
 
 template <BvhMethod method>
 Result<void> build_bvh2(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
-    return take(build_bvh(input.boxes, {.method = method}), arrays, statistics);
+    return take(build_bvh(boxes_of(input.triangles), {.method = method}), arrays, statistics);
 }
 
 Result<void> build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     constexpr BvhOptions options;
-    if (auto r = take(build_bvh(input.boxes, options), arrays, statistics); !r) return r;
+    if (auto r = take(build_bvh(boxes_of(input.triangles), options), arrays, statistics); !r) return r;
     arrays.sphere_nodes = sphere_nodes(arrays.nodes, [&](std::uint32_t place, const glm::dvec3& from) {
         const kernels::Triangle& t = input.triangles[arrays.order[place]];
         const auto square = [&](const glm::vec3& p) {
@@ -60,8 +68,9 @@ Result<void> build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStati
 }
 
 Result<void> build_kd(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
-    KdTree tree = build_kd_tree(
-        input.boxes, [&](std::uint32_t i, const Box& region) { return clipped_bounds(input.triangles[i], region); });
+    KdTree tree = build_kd_tree(boxes_of(input.triangles), [&](std::uint32_t i, const Box& region) {
+        return clipped_bounds(input.triangles[i], region);
+    });
     const std::size_t most = std::size_t(1) << 29;
     if (auto r = check_index("kd-tree", std::max(tree.nodes.size(), tree.references.size()), most); !r) return r;
     // Triangles in the order in which leaves name them first.
@@ -94,7 +103,7 @@ Result<void> build_grids(const MeshInput& input, MeshArrays& arrays, MeshStatist
     };
     GridOptions options;
     if (hierarchical) options = {.density = 1, .refine_above = 8};
-    Grid3 grid = build_grid(input.boxes, cells_of, options);
+    Grid3 grid = build_grid(boxes_of(input.triangles), cells_of, options);
     if (auto r = check_index("grid", grid.words.size(), kernels::GRID_REFINED); !r) return r;
     arrays.grids = std::move(grid.grids);
     arrays.references = std::move(grid.words);

@@ -19,10 +19,9 @@ namespace spinel {
 
 struct WidePreset;
 
-// Triangles with an area, and their bounds.
+// Triangles with an area.
 struct MeshInput {
     std::span<const kernels::Triangle> triangles;
-    std::span<const Box> boxes;
     const WidePreset* preset;  // null for structures that have none
 };
 

@@ -89,6 +89,7 @@ Bvh build_binary(std::span<const kernels::Triangle> triangles, const WidePreset&
 }  // namespace
 
 WideBvh build_wide_mesh(std::span<const kernels::Triangle> triangles, const WidePreset& preset) {
+    if (preset.grains) return build_wide_grains(triangles, preset.wide);
     return collapse_bvh(build_binary(triangles, preset), triangles, preset.wide);
 }
 

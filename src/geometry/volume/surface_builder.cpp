@@ -164,7 +164,7 @@ Result<SdfData> build_surface(const VolumeGeometry& volume, const kernels::Densi
     data.sdf.op_count = uint(data.ops.size());
     data.sdf.lipschitz = 1 + 1e-5f;  // evaluated in floats
     data.sdf.result = 0;
-    data.sdf.longest_crawl = 0.5f;  // samples are a unit apart: between two of them nothing is thinner
+    data.sdf.longest_crawl = 0.5f;  // half a sample's width: what is thinner may be stepped over at a grazing angle
     return data;
 }
 
