@@ -40,9 +40,9 @@ class alignas(32) Reference {
 
 // References of a subtree with their bounds.
 struct Record {
-    std::span<Reference> references;
     SignedBounds bounds;
     SignedBounds centers;
+    std::span<Reference> references;
     std::size_t growth = 0;  // how many more references the subtree may come to
     int depth = 0;
 

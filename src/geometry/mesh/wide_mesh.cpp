@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -22,23 +22,36 @@ constexpr std::array<WidePreset, 3> presets = {{
     {"high", "the same with spatial splits where boxes overlap much", false, {.spatial_growth = 0.3f}, {}},
 }};
 
+// Three coordinates and an idle lane, in the compilers' own vector types.
+using Doubles = double __attribute__((vector_size(32)));
+using Floats = float __attribute__((vector_size(16)));
+using Ints = std::int32_t __attribute__((vector_size(16)));
+
+// std::nextafter() towards −∞, lane by lane.
+Floats next_below(Floats x) {
+    const Ints bits = (Ints)x + (x > 0 ? Ints{-1, -1, -1, -1} : Ints{1, 1, 1, 1});
+    constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min() + 1;  // the bits of −2⁻¹⁴⁹
+    return (Floats)(x == 0 ? Ints{least, least, least, least} : bits);
+}
+
 // The hull of what is added, in double.
 struct Hull {
-    glm::dvec3 lower = glm::dvec3(std::numeric_limits<double>::infinity());
-    glm::dvec3 upper = glm::dvec3(-std::numeric_limits<double>::infinity());
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+    Doubles lower = {infinity, infinity, infinity, infinity};
+    Doubles upper = -lower;
 
-    void add(const glm::dvec3& p) {
-        lower = glm::min(lower, p);
-        upper = glm::max(upper, p);
+    void add(const Doubles& p) {
+        lower = p < lower ? p : lower;
+        upper = p > upper ? p : upper;
     }
     // In floats, within `box`.
     Box within(const Box& box) const {
+        const Floats low = next_below(__builtin_convertvector(lower, Floats));
+        const Floats high = -next_below(__builtin_convertvector(-upper, Floats));
         Box out;
         for (int a = 0; a < 3; ++a) {
-            out.lower[a] =
-                std::max(std::nextafter(float(lower[a]), -std::numeric_limits<float>::infinity()), box.lower[a]);
-            out.upper[a] =
-                std::min(std::nextafter(float(upper[a]), std::numeric_limits<float>::infinity()), box.upper[a]);
+            out.lower[a] = std::max(low[a], box.lower[a]);
+            out.upper[a] = std::min(high[a], box.upper[a]);
         }
         return out;
     }
@@ -50,15 +63,22 @@ std::span<const WidePreset> wide_presets() { return presets; }
 const WidePreset& default_wide_preset() { return presets.back(); }
 
 void clip_triangle(const kernels::Triangle& triangle, const Box& box, int axis, float plane, Box& below, Box& above) {
-    const glm::dvec3 vertices[3] = {triangle.a, triangle.b, triangle.c};
+    Doubles vertices[3];
+    double along[3];
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec3& p = i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
+        vertices[i] = Doubles{p.x, p.y, p.z, 0};
+        along[i] = p[axis];
+    }
     const double at = plane;
     Hull low, high;
     for (int i = 0; i < 3; ++i) {
-        const glm::dvec3 p = vertices[i], q = vertices[(i + 1) % 3];
-        if (p[axis] <= at) low.add(p);
-        if (p[axis] >= at) high.add(p);
-        if ((p[axis] < at && q[axis] > at) || (p[axis] > at && q[axis] < at)) {
-            const glm::dvec3 crossing = p + (q - p) * ((at - p[axis]) / (q[axis] - p[axis]));
+        const int j = (i + 1) % 3;
+        if (along[i] <= at) low.add(vertices[i]);
+        if (along[i] >= at) high.add(vertices[i]);
+        if ((along[i] < at && along[j] > at) || (along[i] > at && along[j] < at)) {
+            const Doubles crossing =
+                vertices[i] + (vertices[j] - vertices[i]) * ((at - along[i]) / (along[j] - along[i]));
             low.add(crossing);
             high.add(crossing);
         }
