@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs what packages.txt lists and this machine lacks; quick and silent when everything is there.
-# Usage: tools/install-deps.sh [GROUP...]   (groups: lint, fuzz)
+# Usage: tools/install-deps.sh [GROUP...]   (groups: lint, fuzz, bench)
 set -euo pipefail
 cd "$(dirname "$0")"
 

@@ -24,6 +24,9 @@ Result<void> check_index(const char* structure, std::size_t size, std::size_t mo
 Result<void> take(Bvh&& bvh, MeshArrays& arrays, MeshStatistics& statistics) {
     // An entry of a walk's stack holds a node in 28 bits.
     if (auto r = check_index("binary BVH", bvh.nodes.size(), std::size_t(1) << 28); !r) return r;
+    if (bvh.statistics.depth > kernels::BVH_MAX_DEPTH)
+        return Error{"a binary BVH is " + std::to_string(bvh.statistics.depth) +
+                     " levels deep; allowed: " + std::to_string(kernels::BVH_MAX_DEPTH)};
     statistics.sah_cost = bvh.statistics.sah_cost;
     statistics.depth = bvh.statistics.depth;
     statistics.leaf_count = bvh.statistics.leaf_count;
