@@ -324,6 +324,7 @@ SPINEL_INLINE bool walk(const kernels::WideUnit* units, const Slabs& slabs, cons
             *top++ = e0;
             *top++ = e1;
             *top++ = e2;
+            // NOLINTNEXTLINE(bugprone-infinite-loop): next() takes from `hit`
             while (hit) {
                 *top++ = e3;  // the nearest so far
                 const std::int64_t e = next();
