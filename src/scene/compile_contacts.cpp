@@ -9,6 +9,7 @@
 
 #include "kernels/mesh_wide.h"
 #include "kernels/sdf.h"
+#include "scene/boxes.h"
 #include "scene/compilation.h"
 
 namespace spinel {
@@ -17,14 +18,7 @@ namespace {
 using kernels::uint;
 using Shape = Compilation::Shape;
 
-const Box empty_box{vec3(kernels::INFINITE), vec3(-kernels::INFINITE)};
 const Box everywhere{vec3(-1e30f), vec3(1e30f)};
-
-bool is_empty(const Box& b) { return !glm::all(glm::lessThanEqual(b.lower, b.upper)); }
-Box grown(const Box& b, float by) { return {b.lower - by, b.upper + by}; }
-Box intersection(const Box& a, const Box& b) { return {glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}; }
-Box hull(const Box& a, const Box& b) { return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)}; }
-float magnitude(const Box& b) { return kernels::max_component(glm::max(glm::abs(b.lower), glm::abs(b.upper))); }
 
 // Adds what of a piece's bounds lies in the region.
 void add_piece(Box& found, const Box& piece, const Box& region) {

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "geometry/mesh/mesh_builder.h"
+#include "scene/boxes.h"
 #include "scene/compilation.h"
 
 namespace spinel {
@@ -25,13 +26,7 @@ constexpr std::size_t most_triangles = std::size_t(1) << 24;  // of a join, whic
 constexpr std::size_t most_neighbours = 64;                   // with an inside, that a mesh's triangles are asked about
 constexpr float least_edge = 8e-6f;  // mean edge of a member's triangles to the reach of all: four times the padding
 
-const Box empty_box{vec3(kernels::INFINITE), vec3(-kernels::INFINITE)};
-
-bool overlap(const Box& a, const Box& b) {
-    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
-}
-Box grown(const Box& b, float by) { return {b.lower - by, b.upper + by}; }
-float reach_of(const Box& b) { return kernels::max_component(glm::max(glm::abs(b.lower), glm::abs(b.upper))); }
+bool overlap(const Box& a, const Box& b) { return !is_empty(intersection(a, b)); }
 
 Box bounds_of(const MeshGeometry& mesh) {
     Box box = empty_box;
@@ -105,7 +100,7 @@ class Hollows {
         if (!overlap(hollow.bounds, box)) return false;
         if (!hollow.world_to_box) return true;
         // Well inside of a box of fog is not on its surface.
-        return !(reach_of(world_bounds(*hollow.world_to_box, box.lower, box.upper)) < 1);
+        return !(magnitude(world_bounds(*hollow.world_to_box, box.lower, box.upper)) < 1);
     }
 
     Hollow hollow_of(const Object& object) {
@@ -139,7 +134,7 @@ bool is_joinable(const AcceleratorChoice& choice) {
 // Of candidates in one space, those of like size together.
 void join(const Scene& scene, std::vector<Candidate> candidates, std::vector<Compilation::Join>& joins) {
     std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return reach_of(a.bounds) < reach_of(b.bounds); });
+                     [](const Candidate& a, const Candidate& b) { return magnitude(a.bounds) < magnitude(b.bounds); });
     std::vector<uint> members;
     std::size_t triangles = 0;
     float edge = kernels::INFINITE;
@@ -152,7 +147,7 @@ void join(const Scene& scene, std::vector<Candidate> candidates, std::vector<Com
     };
     for (const Candidate& c : candidates) {
         const std::size_t count = mesh_of(scene, scene.objects[c.object])->triangles.size();
-        if (triangles + count > most_triangles || !(std::min(edge, c.edge) >= least_edge * reach_of(c.bounds)))
+        if (triangles + count > most_triangles || !(std::min(edge, c.edge) >= least_edge * magnitude(c.bounds)))
             finish();
         members.push_back(c.object);
         triangles += count;
