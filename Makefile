@@ -54,6 +54,7 @@ lint: build
 	@tools/check-includes.py
 	@cmake --build --preset release -j $(JOBS) --target check_headers
 	@tools/format.sh --dry-run -Werror
+	@cmake --preset lint > /dev/null
 	@tools/clang-tidy.py $(JOBS)
 
 clean:

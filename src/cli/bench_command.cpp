@@ -21,7 +21,7 @@ namespace {
 
 using kernels::Ray;
 
-struct Options {
+struct BenchArguments {
     std::string input;
     std::string voxels;  // instead of `input`, read with LoadOptions::voxels
     std::vector<float> from, at;
@@ -69,7 +69,7 @@ std::size_t triangles_of(const CompiledScene& scene) {
     return sum;
 }
 
-Result<int> run(const Options& o, const CommonOptions& common) {
+Result<int> run(const BenchArguments& o, const CommonOptions& common) {
     const std::string& name = o.voxels.empty() ? o.input : o.voxels;
     LoadOptions as_voxels;
     as_voxels.voxels = true;
@@ -145,7 +145,7 @@ Result<int> run(const Options& o, const CommonOptions& common) {
 }  // namespace
 
 std::function<int()> bench_command(CLI::App& app, const CommonOptions& common) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<BenchArguments>();
     CLI::Option* file = app.add_option("FILE", o->input, "scene file or model");
     app.add_option("--voxels", o->voxels, "instead of FILE: a .vdb whose active voxels are solid, whatever it holds")
         ->excludes(file);

@@ -15,7 +15,7 @@
 namespace spinel::cli {
 namespace {
 
-struct Options {
+struct CompareArguments {
     std::string image;
     std::string reference;
     std::string metric = "rmse";
@@ -63,7 +63,7 @@ const Metric metrics[] = {
      [](const Picture& a, const Picture& b) { return relative_mean_difference(a.linear, b.linear); }},
 };
 
-int run(const Options& o, const CommonOptions& common) {
+int run(const CompareArguments& o, const CommonOptions& common) {
     const Result<Picture> image = read_picture(o.image);
     if (!image) return fail(image.error());
     const Result<Picture> reference = read_picture(o.reference);
@@ -91,7 +91,7 @@ int run(const Options& o, const CommonOptions& common) {
 }  // namespace
 
 std::function<int()> compare_command(CLI::App& app, const CommonOptions& common) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<CompareArguments>();
     std::vector<std::string> names;
     std::string doc;
     for (const Metric& metric : metrics) {

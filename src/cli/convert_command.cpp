@@ -15,7 +15,7 @@
 namespace spinel::cli {
 namespace {
 
-struct Options {
+struct ConvertArguments {
     std::string input;
     std::string output;
     LoadOptions load;
@@ -41,7 +41,7 @@ int natural_resolution(const Scene& scene) {
     return std::max({size.x, size.y, size.z});
 }
 
-Result<Scene> converted(Scene scene, Representation wanted, const Options& o) {
+Result<Scene> converted(Scene scene, Representation wanted, const ConvertArguments& o) {
     if (wanted == Representation::any) return scene;
     if (is_made_of(scene, wanted) && o.voxelise.resolution == 0) return scene;
     if (wanted == Representation::meshes) return mesh_scene(scene);
@@ -51,7 +51,7 @@ Result<Scene> converted(Scene scene, Representation wanted, const Options& o) {
     return voxelise_scene(scene, options);
 }
 
-Result<int> run(const Options& o, const CommonOptions& common) {
+Result<int> run(const ConvertArguments& o, const CommonOptions& common) {
     const Result<const Format*> format = output_format(o.output);
     if (!format) return fail(format.error(), exit_usage);
     const ThreadLimit limit(o.threads);
@@ -70,7 +70,7 @@ Result<int> run(const Options& o, const CommonOptions& common) {
 }  // namespace
 
 std::function<int()> convert_command(CLI::App& app, const CommonOptions& common) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<ConvertArguments>();
     app.add_option("INPUT", o->input, "scene file or model")->required();
     app.add_option("-o,--output", o->output, "what its extension says: voxels or meshes")->required();
     add_load_options(app, o->load);

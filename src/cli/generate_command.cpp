@@ -13,7 +13,7 @@
 namespace spinel::cli {
 namespace {
 
-struct Options {
+struct GenerateArguments {
     std::string world;
     std::string output;
     std::string size;
@@ -21,7 +21,7 @@ struct Options {
     int threads = 0;
 };
 
-Result<ivec3> parse_size(const std::string& text) {
+Result<ivec3> parse_world_size(const std::string& text) {
     if (text.empty()) return ivec3(0);
     ivec3 size(0);
     int used = 0;
@@ -33,14 +33,14 @@ Result<ivec3> parse_size(const std::string& text) {
                              VoxelTree::max_edge)};
 }
 
-int run(const Options& o, const CommonOptions& common) {
+int run(const GenerateArguments& o, const CommonOptions& common) {
     const World* world = find_world(o.world);
     if (!world) {
         std::string names;
         for (const World& row : worlds()) names += fmt::format("{}{}", names.empty() ? "" : ", ", row.name);
         return fail({fmt::format("unknown world '{}'; available: {}", o.world, names)}, exit_usage);
     }
-    const Result<ivec3> size = parse_size(o.size);
+    const Result<ivec3> size = parse_world_size(o.size);
     if (!size) return fail(size.error(), exit_usage);
     const Result<const Format*> format = output_format(o.output, true);
     if (!format) return fail(format.error(), exit_usage);
@@ -58,7 +58,7 @@ int run(const Options& o, const CommonOptions& common) {
 }  // namespace
 
 std::function<int()> generate_command(CLI::App& app, const CommonOptions& common) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<GenerateArguments>();
     app.add_option("WORLD", o->world, "`spinel list worlds`")->required();
     app.add_option("-o,--output", o->output, "a file of voxels")->required();
     app.add_option("--size", o->size, "WIDTHxHEIGHTxDEPTH in voxels (default: the world's own)");

@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RenderArguments {
     std::vector<std::string> inputs;
     std::string output;
     std::string size;
@@ -103,7 +103,7 @@ Result<double> parse_duration(const std::string& text) {
     return value * scale;
 }
 
-Result<ivec2> parse_size(const std::string& text) {
+Result<ivec2> parse_film_size(const std::string& text) {
     if (text.empty()) return ivec2(0);
     int x = 0, y = 0, used = 0;
     if (std::sscanf(text.c_str(), "%dx%d%n", &x, &y, &used) != 2 || std::size_t(used) != text.size() || x < 1 ||
@@ -132,7 +132,7 @@ Result<ToneMap> parse_tone_map(const std::string& text, ToneMap fallback) {
     return Error{fmt::format("unknown tone map '{}'; available: linear, aces, agx", text)};
 }
 
-fs::path output_path(const Options& o, const fs::path& input, std::optional<int> frame) {
+fs::path output_path(const RenderArguments& o, const fs::path& input, std::optional<int> frame) {
     const std::string stem = input.stem().string();
     std::string name = o.output;
     if (const FramePlace place = frame_place(name); frame && place.length > 0)
@@ -145,7 +145,7 @@ fs::path output_path(const Options& o, const fs::path& input, std::optional<int>
 
 // Pictures have an extension that can be written, and several inputs need a place each: a folder, or a name with {name}
 // in it.
-Result<void> check_outputs(const Options& o) {
+Result<void> check_outputs(const RenderArguments& o) {
     std::map<fs::path, const std::string*> taken;
     if (!o.frames.empty() && frame_place(o.output).length == 0)
         return Error{fmt::format("-o '{}': --frames needs a name with the frame's number in it, such as frame_%04d.png",
@@ -196,7 +196,7 @@ const char* reason_text(StopReason reason) {
     return "samples";
 }
 
-Result<void> save(const fs::path& path, const FilmBuffer& film, const Options& o, const Film& settings,
+Result<void> save(const fs::path& path, const FilmBuffer& film, const RenderArguments& o, const Film& settings,
                   const ImageMetadata& metadata) {
     const float exposure = std::isnan(o.exposure) ? settings.exposure : float(o.exposure);
     const Image radiance = film.radiance();
@@ -234,7 +234,7 @@ bool as_expected(const Expected& expected, vec3 mean) {
 }
 
 struct Run {
-    const Options& o;
+    const RenderArguments& o;
     const CommonOptions& common;
     ivec2 size;
     RenderOptions render;
@@ -358,9 +358,9 @@ struct Run {
     }
 };
 
-int run(const Options& o, const CommonOptions& common) {
+int run(const RenderArguments& o, const CommonOptions& common) {
     RenderOptions options;
-    const Result<ivec2> size = parse_size(o.size);
+    const Result<ivec2> size = parse_film_size(o.size);
     if (!size) return fail(size.error(), exit_usage);
     const Result<Crop> crop = parse_crop(o.crop);
     if (!crop) return fail(crop.error(), exit_usage);
@@ -432,7 +432,7 @@ int run(const Options& o, const CommonOptions& common) {
 }  // namespace
 
 std::function<int()> render_command(CLI::App& app, const CommonOptions& common) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<RenderArguments>();
     app.add_option("INPUT", o->inputs, "scene files (.json) or models; `spinel list formats`");
     app.add_option("--voxels", o->voxels, "an input too: a .vdb whose active voxels are solid, whatever it holds");
     app.add_option("-o,--output", o->output,

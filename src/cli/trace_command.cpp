@@ -16,7 +16,7 @@
 namespace spinel::cli {
 namespace {
 
-struct Options {
+struct TraceArguments {
     std::string input;
     std::string voxels;  // instead of `input`, read with LoadOptions::voxels
     std::string rays;
@@ -27,7 +27,7 @@ struct Options {
     TraceOptions trace;
 };
 
-Result<int> run(const Options& o, const CommonOptions& common) {
+Result<int> run(const TraceArguments& o, const CommonOptions& common) {
     TraceOptions trace = o.trace;
     CompileOptions compiling;
     compiling.accelerator.triangle_test = o.triangle_test;
@@ -81,7 +81,7 @@ Result<int> run(const Options& o, const CommonOptions& common) {
 }  // namespace
 
 std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<TraceArguments>();
     CLI::Option* file = app.add_option("FILE", o->input, "scene file or model");
     app.add_option("--voxels", o->voxels, "instead of FILE: a .vdb whose active voxels are solid, whatever it holds")
         ->excludes(file);

@@ -13,7 +13,7 @@
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 30;
+constexpr std::uintmax_t MAX_ANVIL_FILE = std::uintmax_t(1) << 30;
 constexpr std::size_t MAX_CHUNK = std::size_t(1) << 26;  // unpacked
 constexpr std::size_t SECTOR = 4096;
 constexpr std::size_t SECTION_BLOCKS = 16 * 16 * 16;
@@ -159,7 +159,7 @@ class Region {
 }  // namespace
 
 Result<Scene> load_anvil(const std::filesystem::path& path, const LoadOptions&) {
-    const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    const Result<std::string> bytes = read_file_bytes(path, MAX_ANVIL_FILE);
     if (!bytes) return bytes.error();
     Region region(*bytes);
     if (const auto complaint = region.read()) return cannot_read(path, *complaint);

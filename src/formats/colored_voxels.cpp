@@ -15,17 +15,17 @@
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 30;
-constexpr int MAX_EDGE = 4096;
+constexpr std::uintmax_t MAX_VOXELS_FILE = std::uintmax_t(1) << 30;
+constexpr int MAX_VOXELS_EDGE = 4096;
 constexpr std::size_t MAX_PALETTE = 65535;
-constexpr std::uint64_t MAX_CELLS = std::uint64_t(1) << 31;  // of packed files, whose length tells little
+constexpr std::uint64_t MAX_VOXELS_CELLS = std::uint64_t(1) << 31;  // of packed files, whose length tells little
 
 using Complaint = std::optional<std::string>;
 
 bool edges_fit(ivec3 size) {
     for (int axis = 0; axis < 3; ++axis)
-        if (size[axis] < 1 || size[axis] > MAX_EDGE) return false;
-    return std::uint64_t(size.x) * std::uint64_t(size.y) * std::uint64_t(size.z) <= MAX_CELLS;
+        if (size[axis] < 1 || size[axis] > MAX_VOXELS_EDGE) return false;
+    return std::uint64_t(size.x) * std::uint64_t(size.y) * std::uint64_t(size.z) <= MAX_VOXELS_CELLS;
 }
 
 // Collects sets of coloured voxels into a scene.
@@ -221,8 +221,8 @@ Complaint read_binvox(std::string_view bytes, ColoredScene& scene, const std::st
 }
 
 template <class Read>
-Result<Scene> load(const std::filesystem::path& path, const Read& read) {
-    const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+Result<Scene> load_colored(const std::filesystem::path& path, const Read& read) {
+    const Result<std::string> bytes = read_file_bytes(path, MAX_VOXELS_FILE);
     if (!bytes) return bytes.error();
     ColoredScene scene;
     const Complaint complaint = read(*bytes, scene);
@@ -232,17 +232,19 @@ Result<Scene> load(const std::filesystem::path& path, const Read& read) {
 }  // namespace
 
 Result<Scene> load_qubicle(const std::filesystem::path& path, const LoadOptions&) {
-    return load(path, [](std::string_view bytes, ColoredScene& scene) { return Qubicle(bytes, scene).read(); });
+    return load_colored(path, [](std::string_view bytes, ColoredScene& scene) { return Qubicle(bytes, scene).read(); });
 }
 
 Result<Scene> load_kv6(const std::filesystem::path& path, const LoadOptions&) {
     const std::string name = path.stem().string();
-    return load(path, [&](std::string_view bytes, ColoredScene& scene) { return read_kv6(bytes, scene, name); });
+    return load_colored(path,
+                        [&](std::string_view bytes, ColoredScene& scene) { return read_kv6(bytes, scene, name); });
 }
 
 Result<Scene> load_binvox(const std::filesystem::path& path, const LoadOptions&) {
     const std::string name = path.stem().string();
-    return load(path, [&](std::string_view bytes, ColoredScene& scene) { return read_binvox(bytes, scene, name); });
+    return load_colored(path,
+                        [&](std::string_view bytes, ColoredScene& scene) { return read_binvox(bytes, scene, name); });
 }
 
 }  // namespace spinel

@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int MAX_NESTING = 256;         // of JSON; glTF itself needs about ten
-constexpr std::size_t MAX_DEPTH = 1000;  // of nodes below nodes
+constexpr int MAX_NESTING = 256;              // of JSON; glTF itself needs about ten
+constexpr std::size_t MAX_GLTF_DEPTH = 1000;  // of nodes below nodes
 constexpr float MOST_IOR = 3;
 
 // Those that are read, and those that change nothing that is.
@@ -32,7 +32,7 @@ const Json& member(const Json& object, const char* key) {
     return found == object.end() ? nothing : *found;
 }
 
-float number(const Json& object, const char* key, float otherwise) {
+float json_number(const Json& object, const char* key, float otherwise) {
     const Json& value = member(object, key);
     if (!value.is_number()) return otherwise;
     const float result = value.get<float>();
@@ -75,7 +75,7 @@ vec2 pair(const Json& object, const char* key, vec2 otherwise) {
     return std::isfinite(result.x) && std::isfinite(result.y) ? result : otherwise;
 }
 
-float fraction(const Json& object, const char* key) { return std::clamp(number(object, key, 0), 0.0f, 1.0f); }
+float fraction(const Json& object, const char* key) { return std::clamp(json_number(object, key, 0), 0.0f, 1.0f); }
 
 bool understood(const std::string& name) {
     return std::find(std::begin(UNDERSTOOD), std::end(UNDERSTOOD), name) != std::end(UNDERSTOOD);
@@ -84,11 +84,11 @@ bool understood(const std::string& name) {
 // KHR_texture_transform: uv is scaled, turned counter-clockwise and moved, with v downwards.
 GltfTexturePlace texture_place(const Json& use) {
     const Json& transform = member(member(use, "extensions"), "KHR_texture_transform");
-    const float set = number(transform, "texCoord", number(use, "texCoord", 0));
+    const float set = json_number(transform, "texCoord", json_number(use, "texCoord", 0));
     GltfTexturePlace place;
     place.uv_set = set >= 0 && set < 1000 ? unsigned(set) : 1000;
     place.scale = pair(transform, "scale", {1, 1});
-    const float angle = number(transform, "rotation", 0);
+    const float angle = json_number(transform, "rotation", 0);
     const vec2 offset = pair(transform, "offset", {0, 0});
     place.rotation = glm::degrees(angle);
     place.offset = {offset.x + std::sin(angle) * place.scale.y, 1 - std::cos(angle) * place.scale.y - offset.y};
@@ -102,13 +102,13 @@ GltfExtras::MaterialExtras material_extras(const Json& material) {
     const Json& volume = member(extensions, "KHR_materials_volume");
     const Json& specular = member(extensions, "KHR_materials_specular");
     GltfExtras::MaterialExtras extras;
-    const float ior = number(member(extensions, "KHR_materials_ior"), "ior", 1.5f);
+    const float ior = json_number(member(extensions, "KHR_materials_ior"), "ior", 1.5f);
     extras.reflects_all = ior == 0;
     if (!extras.reflects_all) extras.ior = std::clamp(ior, 1.0f, MOST_IOR);
     if (specular.is_object()) {
         const vec3 tint = color(specular, "specularColorFactor", vec3(1));
         extras.specular =
-            std::clamp(number(specular, "specularFactor", 1), 0.0f, 1.0f) * (tint.x + tint.y + tint.z) / 3;
+            std::clamp(json_number(specular, "specularFactor", 1), 0.0f, 1.0f) * (tint.x + tint.y + tint.z) / 3;
     }
     extras.reflection_ior = extras.ior;
     if (extras.reflects_all || extras.specular != 1) {
@@ -116,13 +116,14 @@ GltfExtras::MaterialExtras material_extras(const Json& material) {
         const float root = std::min(whole * std::sqrt(extras.specular), (MOST_IOR - 1) / (MOST_IOR + 1));
         extras.reflection_ior = (1 + root) / (1 - root);
     }
-    extras.emissive_strength = number(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
+    extras.emissive_strength =
+        json_number(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
     extras.unlit = member(extensions, "KHR_materials_unlit").is_object();
     extras.coat = fraction(coat, "clearcoatFactor");
     extras.coat_roughness = fraction(coat, "clearcoatRoughnessFactor");
     extras.transmission = fraction(transmission, "transmissionFactor");
-    extras.thickness = std::max(number(volume, "thicknessFactor", 0), 0.0f);
-    extras.attenuation_distance = std::max(number(volume, "attenuationDistance", 0), 0.0f);
+    extras.thickness = std::max(json_number(volume, "thicknessFactor", 0), 0.0f);
+    extras.attenuation_distance = std::max(json_number(volume, "attenuationDistance", 0), 0.0f);
     extras.attenuation_color = color(volume, "attenuationColor", vec3(1));
     for (const Json* group : {&material, &member(material, "pbrMetallicRoughness"), &coat, &transmission})
         for (const char* key : {"baseColorTexture", "metallicRoughnessTexture", "normalTexture", "emissiveTexture",
@@ -150,9 +151,9 @@ Result<void> check_nodes(const std::filesystem::path& path, const Json& json) {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         std::size_t above = 0;
         for (std::size_t at = i; parent[at] != none; at = parent[at])
-            if (++above > MAX_DEPTH)
+            if (++above > MAX_GLTF_DEPTH)
                 return cannot_read(path, "node " + std::to_string(i) + " lies below more than the " +
-                                             std::to_string(MAX_DEPTH) + " nodes allowed, or below itself");
+                                             std::to_string(MAX_GLTF_DEPTH) + " nodes allowed, or below itself");
     }
     return {};
 }
@@ -222,8 +223,8 @@ Result<GltfExtras> read_gltf_extras(const std::filesystem::path& path) {
     unsigned index = 0;
     for (const Json& material : member(json, "materials")) extras.materials[index++] = material_extras(material);
     for (const Json& camera : member(json, "cameras"))
-        extras.cameras.push_back({std::max(number(member(camera, "perspective"), "yfov", 0.0f), 0.0f),
-                                  std::max(number(member(camera, "orthographic"), "ymag", 0.0f), 0.0f)});
+        extras.cameras.push_back({std::max(json_number(member(camera, "perspective"), "yfov", 0.0f), 0.0f),
+                                  std::max(json_number(member(camera, "orthographic"), "ymag", 0.0f), 0.0f)});
     extras.notes = left_out(json);
     return extras;
 }

@@ -15,8 +15,8 @@
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 28;
-constexpr int MAX_EDGE = 1 << 14;
+constexpr std::uintmax_t MAX_HEIGHTMAP_FILE = std::uintmax_t(1) << 28;
+constexpr int MAX_HEIGHTMAP_EDGE = 1 << 14;
 constexpr float MAX_HEIGHT = 65536;  // voxels
 constexpr float METRES_PER_DEGREE = 111320;
 constexpr int VOID = -32768;
@@ -31,16 +31,16 @@ struct Heights {
     }
 };
 
-struct Layer {
+struct Ground {
     const char* name;
     std::uint32_t rgb;
     float top;  // fraction of the relief
 };
-constexpr Layer LAYERS[] = {{"sand", 0xcdbf95, 0.02f},
-                            {"grass", 0x6d8a45, 0.3f},
-                            {"forest", 0x48673a, 0.62f},
-                            {"rock", 0x8a857c, 0.85f},
-                            {"snow", 0xf2f5f7, 2.0f}};
+constexpr Ground GROUNDS[] = {{"sand", 0xcdbf95, 0.02f},
+                              {"grass", 0x6d8a45, 0.3f},
+                              {"forest", 0x48673a, 0.62f},
+                              {"rock", 0x8a857c, 0.85f},
+                              {"snow", 0xf2f5f7, 2.0f}};
 constexpr int ROCK = 3;
 constexpr float STEEP = 1.0f;  // rise over run from which on nothing but rock holds
 
@@ -60,7 +60,7 @@ Result<Scene> terrain(const std::string& name, const Heights& heights, float sca
             const int steps = std::max(*std::max_element(sides, sides + 4) - top, top - lowest_side);
             const float fraction = (heights.at(x, z) - lowest) / relief;
             int layer = 0;
-            while (fraction > LAYERS[layer].top) ++layer;
+            while (fraction > GROUNDS[layer].top) ++layer;
             if (float(steps) * slope > STEEP && steps > 1) layer = ROCK;
             for (int y = border ? 0 : std::min(lowest_side, top - 1); y < top; ++y)
                 points.push_back({{x, y, z}, std::uint16_t((y == top - 1 ? layer : ROCK) + 1)});
@@ -71,7 +71,7 @@ Result<Scene> terrain(const std::string& name, const Heights& heights, float sca
     object.name = name;
     object.geometry = 0;
     object.transform = transform;
-    for (const Layer& layer : LAYERS) {
+    for (const Ground& layer : GROUNDS) {
         kernels::Material material = default_material(kernels::MATERIAL_DIFFUSE);
         for (int c = 0; c < 3; ++c) material.color[c] = srgb_decoded(float(layer.rgb >> (16 - 8 * c) & 255) / 255.0f);
         object.materials.push_back(int(scene.materials.size()));
@@ -97,10 +97,10 @@ std::optional<float> latitude_of(const std::string& name) {
 }  // namespace
 
 Result<Scene> load_hgt(const std::filesystem::path& path, const LoadOptions& options) {
-    Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    Result<std::string> bytes = read_file_bytes(path, MAX_HEIGHTMAP_FILE);
     if (!bytes) return bytes.error();
     if (path.extension() == ".gz") {
-        bytes = inflated(*bytes, MAX_FILE);
+        bytes = inflated(*bytes, MAX_HEIGHTMAP_FILE);
         if (!bytes) return cannot_read(path, bytes.error().message);
     }
     const std::size_t count = bytes->size() / 2;
@@ -149,8 +149,9 @@ Result<Scene> load_heightmap(const std::filesystem::path& path, const LoadOption
                            "voxels in a scene file)");
     const Result<Image> image = read_image(path);
     if (!image) return image.error();
-    if (image->width > MAX_EDGE || image->height > MAX_EDGE)
-        return cannot_read(path, "a heightmap may have " + std::to_string(MAX_EDGE) + " pixels along an edge, it has " +
+    if (image->width > MAX_HEIGHTMAP_EDGE || image->height > MAX_HEIGHTMAP_EDGE)
+        return cannot_read(path, "a heightmap may have " + std::to_string(MAX_HEIGHTMAP_EDGE) +
+                                     " pixels along an edge, it has " +
                                      std::to_string(std::max(image->width, image->height)));
     Heights heights{image->width, image->height, {}};
     const int colors = image->channels >= 3 ? 3 : 1;

@@ -269,11 +269,11 @@ constexpr std::string_view NAMES[256] = {
     "structure_block",
 };
 
-constexpr std::array<std::string_view, 16> DYES = {"white", "orange", "magenta",    "light_blue", "yellow", "lime",
-                                                   "pink",  "gray",   "light_gray", "cyan",       "purple", "blue",
-                                                   "brown", "green",  "red",        "black"};
-constexpr std::array<std::string_view, 8> WOODS = {"oak",    "spruce",   "birch", "jungle",
-                                                   "acacia", "dark_oak", "oak",   "oak"};
+constexpr std::array<std::string_view, 16> LEGACY_DYES = {
+    "white",      "orange", "magenta", "light_blue", "yellow", "lime",  "pink", "gray",
+    "light_gray", "cyan",   "purple",  "blue",       "brown",  "green", "red",  "black"};
+constexpr std::array<std::string_view, 8> LEGACY_WOODS = {"oak",    "spruce",   "birch", "jungle",
+                                                          "acacia", "dark_oak", "oak",   "oak"};
 constexpr std::array<std::string_view, 8> STONE_SLABS = {"smooth_stone", "sandstone",   "petrified_oak", "cobblestone",
                                                          "brick",        "stone_brick", "nether_brick",  "quartz"};
 
@@ -296,8 +296,8 @@ std::string variant(int id, int data) {
                         data);
         case 3: return pick(std::array<std::string_view, 4>{"dirt", "coarse_dirt", "podzol", "dirt"}, data);
         case 12: return data == 1 ? "red_sand" : "sand";
-        case 17: return pick(WOODS, data & 3) + "_log";
-        case 18: return pick(WOODS, data & 3) + "_leaves";
+        case 17: return pick(LEGACY_WOODS, data & 3) + "_log";
+        case 18: return pick(LEGACY_WOODS, data & 3) + "_leaves";
         case 19: return data == 1 ? "wet_sponge" : "sponge";
         case 24:
             return pick(
@@ -320,15 +320,15 @@ std::string variant(int id, int data) {
             return pick(std::array<std::string_view, 4>{"stone_bricks", "mossy_stone_bricks", "cracked_stone_bricks",
                                                         "chiseled_stone_bricks"},
                         data);
-        case 125: return slab(pick(WOODS, data & 7), data, true);
-        case 126: return slab(pick(WOODS, data & 7), data, false);
+        case 125: return slab(pick(LEGACY_WOODS, data & 7), data, true);
+        case 126: return slab(pick(LEGACY_WOODS, data & 7), data, false);
         case 139: return data == 1 ? "mossy_cobblestone_wall" : "cobblestone_wall";
         case 155:
             return pick(V{"quartz_block", "chiseled_quartz_block", "quartz_pillar", "quartz_pillar", "quartz_pillar",
                           "quartz_block", "quartz_block", "quartz_block"},
                         data);
-        case 161: return pick(WOODS, 4 + (data & 1)) + "_leaves";
-        case 162: return pick(WOODS, 4 + (data & 1)) + "_log";
+        case 161: return pick(LEGACY_WOODS, 4 + (data & 1)) + "_leaves";
+        case 162: return pick(LEGACY_WOODS, 4 + (data & 1)) + "_log";
         case 168:
             return pick(
                 std::array<std::string_view, 4>{"prismarine", "prismarine_bricks", "dark_prismarine", "prismarine"},
@@ -385,9 +385,9 @@ std::string legacy_block(int id, int data) {
     if (id < 0 || id > 255) return {};
     if (std::string name = variant(id, data); !name.empty()) return name;
     std::string_view name = NAMES[std::size_t(id)];
-    if (name.starts_with("#dye_")) return pick(DYES, data) + std::string(name.substr(4));
-    if (name.starts_with("#wood_")) return pick(WOODS, data & 7) + std::string(name.substr(5));
-    if (name == "#sapling") return pick(WOODS, data & 7) + "_sapling";
+    if (name.starts_with("#dye_")) return pick(LEGACY_DYES, data) + std::string(name.substr(4));
+    if (name.starts_with("#wood_")) return pick(LEGACY_WOODS, data & 7) + std::string(name.substr(5));
+    if (name == "#sapling") return pick(LEGACY_WOODS, data & 7) + "_sapling";
     const std::size_t at = name.find('@');
     if (at == name.npos) return std::string(name);
     const std::string_view how = name.substr(at + 1);

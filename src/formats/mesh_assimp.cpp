@@ -30,7 +30,6 @@ __attribute__((visibility("default"))) void aiAssertViolation(const char* expres
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 32;
 constexpr std::size_t MAX_CORNERS = std::size_t(1) << 31;
 constexpr std::size_t MAX_OBJECTS = std::size_t(1) << 20;
 constexpr float CREASE_DEGREES = 60;
@@ -51,8 +50,8 @@ class MeshLoader {
         if (!std::filesystem::is_regular_file(path_, error))
             return cannot_read(
                 path_, std::filesystem::exists(path_, error) ? "that is not a plain file" : "there is no such file");
-        if (std::filesystem::file_size(path_, error) > MAX_FILE)
-            return cannot_read(path_, "its size is more than the " + std::to_string(MAX_FILE) + " bytes allowed");
+        if (std::filesystem::file_size(path_, error) > MAX_MESH_FILE)
+            return cannot_read(path_, "its size is more than the " + std::to_string(MAX_MESH_FILE) + " bytes allowed");
         if (path_extension() == ".ply")
             if (Result<void> sound = check_ply(path_); !sound) return sound.error();
         if (path_extension() == ".off")

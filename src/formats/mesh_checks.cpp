@@ -12,8 +12,6 @@
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 32;
-
 struct PlyProperty {
     unsigned size = 0;        // of a value, bytes
     unsigned count_size = 0;  // of a list's count; 0: no list
@@ -162,7 +160,7 @@ bool walk_text(const PlyElement& element, std::string_view bytes, std::size_t& a
 }  // namespace
 
 Result<void> check_ply(const std::filesystem::path& path) {
-    const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    const Result<std::string> bytes = read_file_bytes(path, MAX_MESH_FILE);
     if (!bytes) return bytes.error();
     std::size_t at = 0;
     const PlyHeader header = read_ply_header(*bytes, at);
@@ -191,7 +189,7 @@ Result<void> check_off(const std::filesystem::path& path) {
     // Assimp copies lines into 4096 bytes, takes no more than nine corners, and loses its place where a face is none.
     static constexpr std::size_t MAX_LINE = 4000;
     static constexpr std::uint64_t MAX_FACE_CORNERS = 9;
-    const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    const Result<std::string> bytes = read_file_bytes(path, MAX_MESH_FILE);
     if (!bytes) return bytes.error();
     std::string_view left = *bytes;
     const auto next_line = [&]() -> std::string_view {

@@ -2,12 +2,15 @@
 // What a mesh file announces, held against what it can hold: Assimp allocates what it is told, and reads on for ever
 // where a header ends early.
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 
 #include "core/result.h"
 
 namespace spinel {
+
+constexpr std::uintmax_t MAX_MESH_FILE = std::uintmax_t(1) << 32;  // bytes
 
 // PLY: a whole header of known words; elements and lists that fit the bytes behind it.
 Result<void> check_ply(const std::filesystem::path& path);

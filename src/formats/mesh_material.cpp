@@ -15,14 +15,14 @@
 namespace spinel {
 namespace {
 
-std::optional<float> number(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
+std::optional<float> number_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
     float value = 0;
     if (source.Get(key, type, index, value) != AI_SUCCESS || !std::isfinite(value)) return std::nullopt;
     return value;
 }
 
 std::optional<float> fraction(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
-    const auto value = number(source, key, type, index);
+    const auto value = number_of(source, key, type, index);
     return value ? std::optional(std::clamp(*value, 0.0f, 1.0f)) : std::nullopt;
 }
 
@@ -93,13 +93,13 @@ struct Maker {
             values.normal_texture =
                 texture({.type = aiTextureType_HEIGHT,
                          .role = TextureRole::relief,
-                         .amount = number(source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0)).value_or(1.0f)});
+                         .amount = number_of(source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0)).value_or(1.0f)});
             values.normal_scale = 1.0f;
             return;
         }
         values.normal_texture = texture(
             {.type = aiTextureType_NORMALS, .role = TextureRole::data, .place = extras.texture("normalTexture")});
-        values.normal_scale = number(source, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0)).value_or(1.0f);
+        values.normal_scale = number_of(source, AI_MATKEY_GLTF_TEXTURE_SCALE(aiTextureType_NORMALS, 0)).value_or(1.0f);
     }
 
     void begin(kernels::uint kind) {
@@ -143,7 +143,7 @@ void make_opacity(Maker& maker, vec4 base) {
         maker.values.opacity = std::min(base.w, 1.0f);
         maker.values.opacity_texture = maker.color_map(TextureRole::alpha);
     } else if (mode == aiString("MASK")) {
-        const float cutoff = number(maker.source, AI_MATKEY_GLTF_ALPHACUTOFF).value_or(0.5f);
+        const float cutoff = number_of(maker.source, AI_MATKEY_GLTF_ALPHACUTOFF).value_or(0.5f);
         maker.values.opacity_texture = base.w > 0 ? maker.color_map(TextureRole::mask, cutoff / base.w) : kernels::NONE;
         if (maker.values.opacity_texture == kernels::NONE) maker.values.opacity = base.w >= cutoff ? 1.0f : 0.0f;
     }
@@ -210,8 +210,8 @@ void make_phong(Maker& maker) {
     const aiMaterial& source = maker.source;
     const vec4 diffuse = color(source, AI_MATKEY_COLOR_DIFFUSE).value_or(vec4(0.8f));
     const vec4 specular = color(source, AI_MATKEY_COLOR_SPECULAR).value_or(vec4(0.0f));
-    const float exponent = number(source, AI_MATKEY_SHININESS).value_or(0.0f);
-    const float ior = number(source, AI_MATKEY_REFRACTI).value_or(1.0f);
+    const float exponent = number_of(source, AI_MATKEY_SHININESS).value_or(0.0f);
+    const float ior = number_of(source, AI_MATKEY_REFRACTI).value_or(1.0f);
     const float opacity = fraction(source, AI_MATKEY_OPACITY).value_or(1.0f);
     int illumination = -1;
     source.Get(AI_MATKEY_OBJ_ILLUM, illumination);
@@ -258,7 +258,7 @@ Result<Material> mesh_material(const aiMaterial& source, const GltfExtras::Mater
     }
     static const GltfExtras::MaterialExtras none;
     Maker maker{source, textures, extras != nullptr, extras ? *extras : none, notes};
-    if (extras || number(source, AI_MATKEY_METALLIC_FACTOR) || number(source, AI_MATKEY_ROUGHNESS_FACTOR))
+    if (extras || number_of(source, AI_MATKEY_METALLIC_FACTOR) || number_of(source, AI_MATKEY_ROUGHNESS_FACTOR))
         make_metallic_roughness(maker);
     else make_phong(maker);
     if (maker.error) return *maker.error;

@@ -10,7 +10,7 @@
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 28;
+constexpr std::uintmax_t MAX_MTS_FILE = std::uintmax_t(1) << 28;
 constexpr std::uint64_t MAX_NODES = std::uint64_t(1) << 28;
 
 using Complaint = std::optional<std::string>;
@@ -57,7 +57,7 @@ Complaint fill(std::string_view bytes, BlockScene& blocks) {
 }  // namespace
 
 Result<Scene> load_mts(const std::filesystem::path& path, const LoadOptions&) {
-    const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    const Result<std::string> bytes = read_file_bytes(path, MAX_MTS_FILE);
     if (!bytes) return bytes.error();
     BlockScene blocks;
     if (const Complaint complaint = fill(*bytes, blocks)) return cannot_read(path, *complaint);

@@ -13,7 +13,7 @@
 namespace spinel {
 namespace {
 
-struct Named {
+struct NamedRaw {
     std::string name;
     ivec3 size = {0, 0, 0};
     std::optional<SampleType> type;
@@ -42,10 +42,10 @@ std::optional<ivec3> size_of(std::string_view word) {
 }
 
 // "lidc_256x256x133_u8.raw.gz": the words between underlines.
-Named named(std::string text) {
+NamedRaw named(std::string text) {
     for (const std::string_view tail : {".gz", ".GZ", ".raw", ".RAW"})
         if (text.ends_with(tail)) text.resize(text.size() - tail.size());
-    Named found;
+    NamedRaw found;
     for (std::size_t at = 0; at <= text.size();) {
         const std::size_t end = std::min(text.find('_', at), text.size());
         const std::string word = text.substr(at, end - at);
@@ -58,7 +58,7 @@ Named named(std::string text) {
 }
 
 Result<Scene> read(const std::string& file, const std::string& file_name) {
-    const Named what = named(file_name);
+    const NamedRaw what = named(file_name);
     if (what.size.x == 0 || !what.type)
         return Error{
             "its name does not tell size and type, as in name_256x256x128_uint8.raw; a .nhdr file beside it can"};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t MAX_BYTES = std::size_t(1) << 30;
 constexpr std::size_t MAX_TAGS = std::size_t(1) << 22;  // a tag of one byte becomes one of a hundred
-constexpr int MAX_DEPTH = 512;                          // the game's own bound
+constexpr int MAX_NBT_DEPTH = 512;                      // the game's own bound
 
 std::size_t element_size(Type array) { return array == Type::int8_array ? 1 : array == Type::int32_array ? 4 : 8; }
 
@@ -72,7 +72,8 @@ class Parser {
     }
 
     Complaint read_list(Tag& tag, int depth) {
-        if (depth > MAX_DEPTH) return "its tags nest deeper than the " + std::to_string(MAX_DEPTH) + " levels allowed";
+        if (depth > MAX_NBT_DEPTH)
+            return "its tags nest deeper than the " + std::to_string(MAX_NBT_DEPTH) + " levels allowed";
         const std::uint8_t type = reader_.u8();
         if (type > std::uint8_t(Type::int64_array)) return "a list holds tags of unknown type " + std::to_string(type);
         const auto count = read_count(1);
@@ -88,7 +89,8 @@ class Parser {
     }
 
     Complaint read_compound(Tag& tag, int depth) {
-        if (depth > MAX_DEPTH) return "its tags nest deeper than the " + std::to_string(MAX_DEPTH) + " levels allowed";
+        if (depth > MAX_NBT_DEPTH)
+            return "its tags nest deeper than the " + std::to_string(MAX_NBT_DEPTH) + " levels allowed";
         while (true) {
             const std::uint8_t type = reader_.u8();
             if (!reader_.ok()) return "it ends within a compound";

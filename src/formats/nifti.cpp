@@ -20,9 +20,9 @@ using glm::dvec3;
 constexpr std::size_t HEADER_1 = 348, HEADER_2 = 540;
 
 // Numbers at fixed places of a header that is long enough.
-class Fields {
+class NiftiFields {
   public:
-    Fields(std::string_view bytes, bool swapped) : bytes_(bytes), swapped_(swapped) {}
+    NiftiFields(std::string_view bytes, bool swapped) : bytes_(bytes), swapped_(swapped) {}
     template <class T>
     T at(std::size_t offset) const {
         unsigned char raw[sizeof(T)];
@@ -38,7 +38,7 @@ class Fields {
     bool swapped_;
 };
 
-struct Header {
+struct NiftiHeader {
     std::int64_t dim[8] = {};
     int datatype = 0;
     double pixdim[8] = {};
@@ -52,8 +52,8 @@ struct Header {
 };
 
 // The members of the two versions, which differ in their places and widths.
-Header header_1(const Fields& f) {
-    Header h;
+NiftiHeader header_1(const NiftiFields& f) {
+    NiftiHeader h;
     for (int i = 0; i < 8; ++i) {
         h.dim[i] = f.at<std::int16_t>(40 + 2 * std::size_t(i));
         h.pixdim[i] = f.at<float>(76 + 4 * std::size_t(i));
@@ -73,8 +73,8 @@ Header header_1(const Fields& f) {
     return h;
 }
 
-Header header_2(const Fields& f) {
-    Header h;
+NiftiHeader header_2(const NiftiFields& f) {
+    NiftiHeader h;
     for (int i = 0; i < 8; ++i) {
         h.dim[i] = f.at<std::int64_t>(16 + 8 * std::size_t(i));
         h.pixdim[i] = f.at<double>(104 + 8 * std::size_t(i));
@@ -94,10 +94,10 @@ Header header_2(const Fields& f) {
     return h;
 }
 
-Result<Header> read_header(std::string_view bytes) {
+Result<NiftiHeader> read_header(std::string_view bytes) {
     if (bytes.size() < 4) return Error{"it is not a NIfTI file"};
     for (const bool swapped : {false, true}) {
-        const Fields fields(bytes, swapped);
+        const NiftiFields fields(bytes, swapped);
         const auto size = fields.at<std::int32_t>(0);
         if (size != std::int32_t(HEADER_1) && size != std::int32_t(HEADER_2)) continue;
         if (bytes.size() < std::size_t(size)) return Error{"its header is cut off"};
@@ -106,7 +106,7 @@ Result<Header> read_header(std::string_view bytes) {
         if (magic.starts_with(second ? "ni2" : "ni1"))
             return Error{"its samples are in another file (.hdr and .img), which is not read"};
         if (!magic.starts_with(second ? "n+2" : "n+1")) return Error{"it is not a NIfTI file (Analyze is not read)"};
-        Header h = second ? header_2(fields) : header_1(fields);
+        NiftiHeader h = second ? header_2(fields) : header_1(fields);
         h.swapped = swapped;
         return h;
     }
@@ -137,7 +137,7 @@ Result<SampleType> sample_type(int datatype) {
 }
 
 // From sample indices (at the samples themselves) to the patient's right, front and up.
-Result<glm::dmat4x3> orientation(const Header& h) {
+Result<glm::dmat4x3> orientation(const NiftiHeader& h) {
     if (h.sform > 0) {
         glm::dmat4x3 m;
         for (int row = 0; row < 3; ++row)
@@ -179,9 +179,9 @@ Result<Scene> read(const std::string& file, const std::string& name, const LoadO
     const Result<std::string> start =
         packed ? inflated_start(file, HEADER_2) : Result<std::string>(file.substr(0, HEADER_2));
     if (!start) return start.error();
-    const Result<Header> header = read_header(*start);
+    const Result<NiftiHeader> header = read_header(*start);
     if (!header) return header.error();
-    const Header& h = *header;
+    const NiftiHeader& h = *header;
     const Result<SampleType> type = sample_type(h.datatype);
     if (!type) return type.error();
     if (h.dim[0] < 1 || h.dim[0] > 7) return Error{fmt::format("it has {} dimensions; 1 to 7 are allowed", h.dim[0])};

@@ -13,12 +13,12 @@
 namespace spinel {
 namespace {
 
-constexpr std::string_view MAGIC("\x93NUMPY", 6);
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 36;
+constexpr std::string_view NPY_MAGIC("\x93NUMPY", 6);
+constexpr std::uintmax_t MAX_NPY_FILE = std::uintmax_t(1) << 36;
 
 // The header is a Python dictionary with string keys. Splits it into its values' texts, brackets and quotes
 // kept.
-std::optional<std::map<std::string, std::string>> dictionary(std::string_view text) {
+std::optional<std::map<std::string, std::string>> python_dictionary(std::string_view text) {
     std::map<std::string, std::string> result;
     std::size_t at = 0;
     const auto skip_spaces = [&] {
@@ -81,10 +81,10 @@ std::optional<std::vector<std::uint64_t>> shape(std::string_view text) {
 }  // namespace
 
 Result<std::vector<TraceRay>> read_rays_npy(const std::filesystem::path& path) {
-    const Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    const Result<std::string> bytes = read_file_bytes(path, MAX_NPY_FILE);
     if (!bytes) return bytes.error();
     ByteReader reader(*bytes);
-    if (reader.take(MAGIC.size()) != MAGIC) return cannot_read(path, "it is not a .npy file");
+    if (reader.take(NPY_MAGIC.size()) != NPY_MAGIC) return cannot_read(path, "it is not a .npy file");
     const std::string_view version = reader.take(2);
     if (!reader.ok()) return cannot_read(path, "the file ends in its header");
     const int major = std::uint8_t(version[0]);
@@ -99,7 +99,7 @@ Result<std::vector<TraceRay>> read_rays_npy(const std::filesystem::path& path) {
     }
     const std::string_view header = reader.take(length);
     if (!reader.ok()) return cannot_read(path, "the file ends in its header");
-    const auto fields = dictionary(header);
+    const auto fields = python_dictionary(header);
     if (!fields || !fields->count("descr") || !fields->count("fortran_order") || !fields->count("shape"))
         return cannot_read(path, "its header is damaged");
     const std::string type = fields->at("descr");
@@ -110,9 +110,9 @@ Result<std::vector<TraceRay>> read_rays_npy(const std::filesystem::path& path) {
     if (!edges || edges->size() != 2 || (*edges)[1] != 8)
         return cannot_read(path, "rays must have the shape (N, 8), found " + fields->at("shape").substr(0, 60));
     const std::uint64_t count = (*edges)[0];
-    if (count > MAX_FILE || count * sizeof(TraceRay) != reader.remaining())
+    if (count > MAX_NPY_FILE || count * sizeof(TraceRay) != reader.remaining())
         return cannot_read(path, "its " + std::to_string(count) + " rays need " +
-                                     std::to_string(count > MAX_FILE ? 0 : count * sizeof(TraceRay)) +
+                                     std::to_string(count > MAX_NPY_FILE ? 0 : count * sizeof(TraceRay)) +
                                      " bytes, the file has " + std::to_string(reader.remaining()));
     std::vector<TraceRay> rays{std::size_t(count)};
     const std::string_view data = reader.take(reader.remaining());
@@ -131,10 +131,10 @@ Result<void> write_hits_npy(const std::filesystem::path& path, std::span<const T
         "('material', '<u4')], 'fortran_order': False, 'shape': (" +
         std::to_string(hits.size()) + ",), }";
     // Padded, so that the data begins at a multiple of 64.
-    const std::size_t before = MAGIC.size() + 4;
+    const std::size_t before = NPY_MAGIC.size() + 4;
     header.append(63 - (before + header.size()) % 64, ' ');
     header += '\n';
-    std::string bytes(MAGIC);
+    std::string bytes(NPY_MAGIC);
     bytes += {'\x01', '\x00', char(header.size() & 255), char(header.size() >> 8)};
     bytes += header;
     bytes.append(reinterpret_cast<const char*>(hits.data()), hits.size_bytes());

@@ -18,11 +18,11 @@
 namespace spinel {
 namespace {
 
-constexpr int MAX_EDGE = 8192;
+constexpr int MAX_RAW_EDGE = 8192;
 constexpr std::uint64_t MAX_VALUES = std::uint64_t(1) << 31;
-constexpr std::size_t MAX_HEADER = 4096;
+constexpr std::size_t MAX_RAW_HEADER = 4096;
 
-struct Header {
+struct RawHeader {
     ivec3 size = {0, 0, 0};
     std::string type;
     vec3 spacing = {1, 1, 1};
@@ -61,14 +61,14 @@ bool usable(vec3 v, bool positive) {
 }
 
 // One line of the header; the complaint, if there is one.
-std::optional<std::string> read_line(const std::string& key, std::string_view rest, Header& header) {
+std::optional<std::string> read_line(const std::string& key, std::string_view rest, RawHeader& header) {
     const std::string shown = "'" + std::string(rest) + "'";
     if (key == "size") {
         const auto size = numbers<int>(rest, 3);
         if (!size) return "size needs three whole numbers, found " + shown;
         for (const int edge : *size)
-            if (edge < 1 || edge > MAX_EDGE)
-                return "an edge must be 1 … " + std::to_string(MAX_EDGE) + ", found " + shown;
+            if (edge < 1 || edge > MAX_RAW_EDGE)
+                return "an edge must be 1 … " + std::to_string(MAX_RAW_EDGE) + ", found " + shown;
         header.size = {(*size)[0], (*size)[1], (*size)[2]};
     } else if (key == "type") {
         if (rest != "u8" && rest != "u16" && rest != "f32") return "type must be u8, u16 or f32, found " + shown;
@@ -89,10 +89,10 @@ std::optional<std::string> read_line(const std::string& key, std::string_view re
 }
 
 // Reads up to the empty line, where the stream then stands.
-Result<Header> read_header(const std::filesystem::path& path, std::istream& file) {
-    Header header;
-    std::string block(MAX_HEADER, '\0');
-    file.read(block.data(), std::streamsize(MAX_HEADER));
+Result<RawHeader> read_header(const std::filesystem::path& path, std::istream& file) {
+    RawHeader header;
+    std::string block(MAX_RAW_HEADER, '\0');
+    file.read(block.data(), std::streamsize(MAX_RAW_HEADER));
     block.resize(std::size_t(file.gcount()));
     std::set<std::string> seen;
     std::size_t at = 0;
@@ -167,7 +167,7 @@ Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions&) {
     if (!std::filesystem::is_regular_file(path, error)) return cannot_read(path, "there is no such file");
     std::ifstream file(path, std::ios::binary);
     if (!file) return cannot_read(path, "the file cannot be opened");
-    const Result<Header> header = read_header(path, file);
+    const Result<RawHeader> header = read_header(path, file);
     if (!header) return header.error();
 
     // The size is believed only once the file has as many bytes.

@@ -11,17 +11,17 @@
 namespace spinel {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 30;
-constexpr int MAX_EDGE = 1 << 16;
-constexpr std::uint64_t MAX_CELLS = std::uint64_t(1) << 32;
+constexpr std::uintmax_t MAX_SCHEMATIC_FILE = std::uintmax_t(1) << 30;
+constexpr int MAX_SCHEMATIC_EDGE = 1 << 16;
+constexpr std::uint64_t MAX_SCHEMATIC_CELLS = std::uint64_t(1) << 32;
 
 using Complaint = std::optional<std::string>;
 const std::string TOO_MANY = "there are more blocks than allowed";
 
 // Reads a file of NBT, lets `fill` place its blocks, and makes the scene.
 template <class Fill>
-Result<Scene> load(const std::filesystem::path& path, const Fill& fill) {
-    Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+Result<Scene> load_blocks(const std::filesystem::path& path, const Fill& fill) {
+    Result<std::string> bytes = read_file_bytes(path, MAX_SCHEMATIC_FILE);
     if (!bytes) return bytes.error();
     const Result<nbt::Document> document = nbt::parse_packed(std::move(*bytes));
     if (!document) return cannot_read(path, document.error().message);
@@ -35,10 +35,11 @@ Result<Scene> load(const std::filesystem::path& path, const Fill& fill) {
 Complaint check_size(ivec3 size) {
     const std::uint64_t cells = std::uint64_t(size.x) * std::uint64_t(size.y) * std::uint64_t(size.z);
     for (int axis = 0; axis < 3; ++axis)
-        if (size[axis] < 1 || size[axis] > MAX_EDGE)
+        if (size[axis] < 1 || size[axis] > MAX_SCHEMATIC_EDGE)
             return "an edge is " + std::to_string(size[axis]) + " blocks long; it must be 1 … " +
-                   std::to_string(MAX_EDGE);
-    if (cells > MAX_CELLS) return "its box is larger than the " + std::to_string(MAX_CELLS) + " blocks allowed";
+                   std::to_string(MAX_SCHEMATIC_EDGE);
+    if (cells > MAX_SCHEMATIC_CELLS)
+        return "its box is larger than the " + std::to_string(MAX_SCHEMATIC_CELLS) + " blocks allowed";
     return {};
 }
 
@@ -196,7 +197,7 @@ Complaint fill_structure(const nbt::Tag& root, BlockScene& blocks) {
     ivec3 size(0);
     for (int axis = 0; axis < 3; ++axis) {
         const std::int64_t edge = edges->children[std::size_t(axis)].integer;
-        size[axis] = edge >= 0 && edge <= MAX_EDGE ? int(edge) : MAX_EDGE + 1;
+        size[axis] = edge >= 0 && edge <= MAX_SCHEMATIC_EDGE ? int(edge) : MAX_SCHEMATIC_EDGE + 1;
     }
     if (Complaint complaint = check_size(size)) return complaint;
     const Result<std::vector<std::uint32_t>> states = read_palette(*palette, blocks);
@@ -221,16 +222,16 @@ Complaint fill_structure(const nbt::Tag& root, BlockScene& blocks) {
 }  // namespace
 
 Result<Scene> load_sponge_schematic(const std::filesystem::path& path, const LoadOptions&) {
-    return load(path, fill_sponge);
+    return load_blocks(path, fill_sponge);
 }
 Result<Scene> load_mcedit_schematic(const std::filesystem::path& path, const LoadOptions&) {
-    return load(path, fill_mcedit);
+    return load_blocks(path, fill_mcedit);
 }
 Result<Scene> load_litematic(const std::filesystem::path& path, const LoadOptions&) {
-    return load(path, fill_litematic);
+    return load_blocks(path, fill_litematic);
 }
 Result<Scene> load_structure(const std::filesystem::path& path, const LoadOptions&) {
-    return load(path, fill_structure);
+    return load_blocks(path, fill_structure);
 }
 
 }  // namespace spinel

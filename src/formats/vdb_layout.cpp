@@ -11,8 +11,8 @@ namespace {
 
 using Complaint = std::optional<std::string>;
 
-constexpr std::int64_t MAGIC = 0x56444220;
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 34;
+constexpr std::int64_t VDB_MAGIC = 0x56444220;
+constexpr std::uintmax_t MAX_VDB_FILE = std::uintmax_t(1) << 34;
 constexpr std::uint32_t OLDEST = 220, NEWEST = 224;  // versions of the format
 constexpr std::uint32_t NO_COMPRESSION_FLAG = 222;   // from which on each grid has its own
 constexpr std::uint32_t MAX_GRIDS = 4096;
@@ -23,7 +23,7 @@ class Layout {
     Layout(std::ifstream file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
 
     Complaint read() {
-        if (number<std::int64_t>() != MAGIC || !file_) return "it is not an OpenVDB file";
+        if (number<std::int64_t>() != VDB_MAGIC || !file_) return "it is not an OpenVDB file";
         const auto version = number<std::uint32_t>();
         skip(8);  // the library's version
         const bool has_offsets = number<char>() != 0;
@@ -114,9 +114,9 @@ Result<std::vector<VdbGridEntry>> read_vdb_layout(const std::filesystem::path& p
     if (!std::filesystem::is_regular_file(path, error)) return cannot_read(path, "that is not a plain file");
     const std::uintmax_t size = std::filesystem::file_size(path, error);
     if (error) return cannot_read(path, error.message());
-    if (size > MAX_FILE)
-        return cannot_read(
-            path, "its " + std::to_string(size) + " bytes are more than the " + std::to_string(MAX_FILE) + " allowed");
+    if (size > MAX_VDB_FILE)
+        return cannot_read(path, "its " + std::to_string(size) + " bytes are more than the " +
+                                     std::to_string(MAX_VDB_FILE) + " allowed");
     std::ifstream file(path, std::ios::binary);
     if (!file) return cannot_read(path, "the file cannot be opened");
     Layout layout(std::move(file), size);

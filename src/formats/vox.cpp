@@ -13,9 +13,9 @@
 namespace spinel {
 namespace {
 
-constexpr std::size_t MAX_CELLS = std::size_t(1) << 30;       // of all models together
+constexpr std::size_t MAX_VOX_CELLS = std::size_t(1) << 30;   // of all models together
 constexpr std::size_t MAX_PLACEMENTS = std::size_t(1) << 20;  // a small graph may place a model exponentially often
-constexpr std::size_t MAX_DEPTH = 256;
+constexpr std::size_t MAX_VOX_DEPTH = 256;
 
 // p ↦ linear·p + offset
 struct Placement {
@@ -66,8 +66,8 @@ class Builder {
         const vox::Node& node = found->second;
         if (std::find(way_.begin(), way_.end(), index) != way_.end())
             return "byte " + std::to_string(node.offset) + ": node " + std::to_string(index) + " is its own ancestor";
-        if (way_.size() >= MAX_DEPTH)
-            return "its scene graph is deeper than the " + std::to_string(MAX_DEPTH) + " levels allowed";
+        if (way_.size() >= MAX_VOX_DEPTH)
+            return "its scene graph is deeper than the " + std::to_string(MAX_VOX_DEPTH) + " levels allowed";
         if (++visited_ > MAX_PLACEMENTS)
             return "its scene graph places more than the " + std::to_string(MAX_PLACEMENTS) + " nodes allowed";
         if (node.hidden || file_.hidden_layers.count(node.layer)) return {};
@@ -125,7 +125,8 @@ class Builder {
         }
         const std::size_t cells = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
         cells_ += cells * (clouds.size() + (solid.empty() ? 0 : 1));
-        if (cells_ > MAX_CELLS) return "its models have more than the " + std::to_string(MAX_CELLS) + " cells allowed";
+        if (cells_ > MAX_VOX_CELLS)
+            return "its models have more than the " + std::to_string(MAX_VOX_CELLS) + " cells allowed";
 
         const std::string name = "model " + std::to_string(model);
         if (!solid.empty()) {

@@ -11,8 +11,8 @@
 namespace spinel::vox {
 namespace {
 
-constexpr std::uintmax_t MAX_FILE = std::uintmax_t(1) << 32;
-constexpr int MAX_EDGE = 2048;
+constexpr std::uintmax_t MAX_VOX_FILE = std::uintmax_t(1) << 32;
+constexpr int MAX_VOX_EDGE = 2048;
 constexpr int MAX_FRAMES = 1 << 20;
 // What a writer that does not go back to fill it in leaves as the size of MAIN: all chunks to the file's end.
 constexpr std::uint32_t SIZE_UNKNOWN = 0x7fffff;
@@ -134,9 +134,9 @@ class Parser {
         const int x = content.i32(), y = content.i32(), z = content.i32();
         if (!content.ok()) return {};
         for (const int edge : {x, y, z}) {
-            if (edge < 0 || edge > MAX_EDGE)
-                return "a model's edge is " + std::to_string(edge) + " voxels, at most " + std::to_string(MAX_EDGE) +
-                       " are allowed";
+            if (edge < 0 || edge > MAX_VOX_EDGE)
+                return "a model's edge is " + std::to_string(edge) + " voxels, at most " +
+                       std::to_string(MAX_VOX_EDGE) + " are allowed";
         }
         size_ = ivec3(x, y, z);
         return {};
@@ -313,7 +313,7 @@ std::array<std::array<std::uint8_t, 4>, 256> default_palette() {
 }
 
 Result<File> read(const std::filesystem::path& path, int frame) {
-    Result<std::string> bytes = read_file_bytes(path, MAX_FILE);
+    Result<std::string> bytes = read_file_bytes(path, MAX_VOX_FILE);
     if (!bytes) return bytes.error();
     File file;  // a file with a model is longer than any small-string buffer, so that the views survive its
                 // moves

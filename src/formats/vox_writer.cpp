@@ -22,20 +22,20 @@ constexpr int MAX_COLORS = 255;
 constexpr float MAX_TRANSLATION = 1 << 24;
 
 template <class T>
-std::string raw(T value) {
+std::string raw_bytes(T value) {
     std::string bytes(sizeof(T), '\0');
     std::memcpy(bytes.data(), &value, sizeof(T));
     return bytes;
 }
-std::string number(std::size_t value) { return raw(std::int32_t(value)); }
-std::string text(const std::string& s) { return number(s.size()) + s; }
-std::string dictionary(const Dictionary& d) {
-    std::string bytes = number(d.size());
-    for (const auto& [key, value] : d) bytes += text(key) + text(value);
+std::string int_bytes(std::size_t value) { return raw_bytes(std::int32_t(value)); }
+std::string text_bytes(const std::string& s) { return int_bytes(s.size()) + s; }
+std::string dictionary_bytes(const Dictionary& d) {
+    std::string bytes = int_bytes(d.size());
+    for (const auto& [key, value] : d) bytes += text_bytes(key) + text_bytes(value);
     return bytes;
 }
 std::string chunk(const std::string& id, const std::string& content) {
-    return id + number(content.size()) + number(0) + content;
+    return id + int_bytes(content.size()) + int_bytes(0) + content;
 }
 // From the scene's space to the file's: a signed permutation and a whole-numbered place.
 struct Pose {
@@ -62,19 +62,21 @@ class Writer {
         for (std::size_t i = 0; i < poses.size(); ++i) add_object(scene_.objects[i], poses[i]);
 
         std::string children;
-        for (std::size_t i = 0; i < placements_; ++i) children += number(2 + 2 * i);
-        const std::string root = chunk("nTRN", number(0) + dictionary({}) + number(1) + raw(std::int32_t(-1)) +
-                                                   raw(std::int32_t(-1)) + number(1) + dictionary({}));
-        const std::string group = chunk("nGRP", number(1) + dictionary({}) + number(placements_) + children);
+        for (std::size_t i = 0; i < placements_; ++i) children += int_bytes(2 + 2 * i);
+        const std::string root =
+            chunk("nTRN", int_bytes(0) + dictionary_bytes({}) + int_bytes(1) + raw_bytes(std::int32_t(-1)) +
+                              raw_bytes(std::int32_t(-1)) + int_bytes(1) + dictionary_bytes({}));
+        const std::string group =
+            chunk("nGRP", int_bytes(1) + dictionary_bytes({}) + int_bytes(placements_) + children);
         std::string palette(1024, '\0'), materials;
         for (std::size_t i = 0; i < palette_.entries.size(); ++i) {
             std::memcpy(palette.data() + 4 * i, palette_.entries[i].color.data(), 4);
-            materials += chunk("MATL", number(i + 1) + dictionary(palette_.entries[i].properties));
+            materials += chunk("MATL", int_bytes(i + 1) + dictionary_bytes(palette_.entries[i].properties));
         }
         const std::string chunks = models_ + root + group + nodes_ + chunk("RGBA", palette) + materials;
         if (chunks.size() > 0x7fffffffu) return refuse("its voxels are more than a file can hold");
         if (Result<void> written = write_file_atomically(
-                path_, "VOX " + number(150) + "MAIN" + number(0) + number(chunks.size()) + chunks);
+                path_, "VOX " + int_bytes(150) + "MAIN" + int_bytes(0) + int_bytes(chunks.size()) + chunks);
             !written)
             return written.error();
         return notes();
@@ -127,14 +129,14 @@ class Writer {
             upper = glm::max(upper, p.cell + 1);
         }
         const ivec3 size = upper - lower;
-        std::string voxels = number(points.size());
+        std::string voxels = int_bytes(points.size());
         for (const VoxelPoint& p : points) {
             const ivec3 cell = p.cell - lower;
             voxels += {char(cell.x), char(cell.y), char(cell.z), char(p.palette)};
         }
-        models_ +=
-            chunk("SIZE", number(std::size_t(size.x)) + number(std::size_t(size.y)) + number(std::size_t(size.z))) +
-            chunk("XYZI", voxels);
+        models_ += chunk("SIZE", int_bytes(std::size_t(size.x)) + int_bytes(std::size_t(size.y)) +
+                                     int_bytes(std::size_t(size.z))) +
+                   chunk("XYZI", voxels);
         // A model turns about its middle, rounded down.
         const vec3 place = pose.translation + pose.rotation * vec3(corner + lower + size / 2);
         Dictionary frame;
@@ -142,9 +144,11 @@ class Writer {
                       std::to_string(std::lround(place.z));
         if (pose.rotation != mat3(1)) frame["_r"] = std::to_string(rotation_bits(pose.rotation));
         const std::size_t node = 2 + 2 * placements_;
-        nodes_ += chunk("nTRN", number(node) + dictionary({{"_name", name}}) + number(node + 1) +
-                                    raw(std::int32_t(-1)) + raw(std::int32_t(-1)) + number(1) + dictionary(frame));
-        nodes_ += chunk("nSHP", number(node + 1) + dictionary({}) + number(1) + number(placements_) + dictionary({}));
+        nodes_ += chunk("nTRN", int_bytes(node) + dictionary_bytes({{"_name", name}}) + int_bytes(node + 1) +
+                                    raw_bytes(std::int32_t(-1)) + raw_bytes(std::int32_t(-1)) + int_bytes(1) +
+                                    dictionary_bytes(frame));
+        nodes_ += chunk("nSHP", int_bytes(node + 1) + dictionary_bytes({}) + int_bytes(1) + int_bytes(placements_) +
+                                    dictionary_bytes({}));
         ++placements_;
     }
 

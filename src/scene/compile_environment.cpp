@@ -19,7 +19,7 @@ struct Equirect {
     std::vector<vec3> radiance;  // row 0 at the zenith
 };
 
-float finite(float x) { return std::isfinite(x) ? std::max(x, 0.0f) : 0.0f; }
+float clean_radiance(float x) { return std::isfinite(x) ? std::max(x, 0.0f) : 0.0f; }
 
 Equirect from_image(const ImageEnvironment& image) {
     const PixelBuffer& p = *image.pixels;
@@ -30,7 +30,7 @@ Equirect from_image(const ImageEnvironment& image) {
             const std::size_t at = i * std::size_t(p.channels) + std::size_t(p.channels >= 3 ? k : 0);
             if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&p.data))
                 rgb[k] = kernels::srgb_to_linear(float((*bytes)[at]) / 255.0f);
-            else rgb[k] = finite(std::get<std::vector<float>>(p.data)[at]);
+            else rgb[k] = clean_radiance(std::get<std::vector<float>>(p.data)[at]);
         }
         map.radiance[i] = rgb * image.scale;
     }

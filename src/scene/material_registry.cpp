@@ -8,8 +8,6 @@ namespace spinel {
 
 namespace {
 
-using kernels::Material;
-
 constexpr MaterialInfo infos[] = {
 #define SPINEL_MATERIAL_INFO(number, CONSTANT, name)                                   \
     MaterialInfo{kernels::MATERIAL_##CONSTANT, #name, kernels::name##_description.doc, \
@@ -19,17 +17,17 @@ constexpr MaterialInfo infos[] = {
 };
 
 constexpr MaterialParameter common_parameters[] = {
-    {"emission", &Material::emission, glm::vec3(0.0f), 0, 1e9f, &Material::emission_texture,
+    {"emission", &kernels::Material::emission, glm::vec3(0.0f), 0, 1e9f, &kernels::Material::emission_texture,
      "Radiance that the surface sends out, W/(sr m^2)."},
-    {"emission_two_sided", &Material::emission_two_sided, 0u, 0, 1, nullptr,
+    {"emission_two_sided", &kernels::Material::emission_two_sided, 0u, 0, 1, nullptr,
      "True: both sides emit; false: only the side of the outward normal."},
-    {"normal_scale", &Material::normal_scale, 1.0f, 0, 10, &Material::normal_texture,
+    {"normal_scale", &kernels::Material::normal_scale, 1.0f, 0, 10, &kernels::Material::normal_texture,
      "Strength of the normal map, which is the texture."},
-    {"opacity", &Material::opacity, 1.0f, 0, 1, &Material::opacity_texture,
+    {"opacity", &kernels::Material::opacity, 1.0f, 0, 1, &kernels::Material::opacity_texture,
      "Chance that a ray meets the surface at all; of a texture, the alpha channel."},
 };
 
-void set_defaults(Material& material, std::span<const MaterialParameter> parameters) {
+void set_defaults(kernels::Material& material, std::span<const MaterialParameter> parameters) {
     for (const MaterialParameter& parameter : parameters) {
         std::visit(
             [&](auto member) {
@@ -61,7 +59,7 @@ const MaterialInfo* find_material_info(kernels::uint kind) {
 std::span<const MaterialParameter> common_material_parameters() { return common_parameters; }
 
 kernels::Material default_material(kernels::uint kind) {
-    Material material{};
+    kernels::Material material{};
     for (const auto member : material_texture_members) material.*member = kernels::NONE;
     material.interior = kernels::NONE;
     material.kind = kind;
@@ -72,7 +70,7 @@ kernels::Material default_material(kernels::uint kind) {
     return material;
 }
 
-bool same_material(const Material& a, const Material& b) {
+bool same_material(const kernels::Material& a, const kernels::Material& b) {
     // Scalar layout without padding: what is equal to the user has equal bytes, but for the sign of a zero.
     // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     return std::memcmp(&a, &b, sizeof a) == 0;

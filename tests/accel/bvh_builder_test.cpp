@@ -9,7 +9,7 @@
 
 #include "core/parallel.h"
 
-namespace spinel {
+namespace spinel::bvh_builder_test {
 namespace {
 
 std::vector<Box> random_boxes(std::size_t count, std::uint32_t seed) {
@@ -197,4 +197,4 @@ TEST(BvhBuilder, the_heuristic_beats_halving) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::bvh_builder_test

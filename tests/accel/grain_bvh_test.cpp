@@ -12,7 +12,7 @@
 #include "accel/split_bvh.h"
 #include "core/parallel.h"
 
-namespace spinel {
+namespace spinel::grain_bvh_test {
 namespace {
 
 std::vector<Box> random_boxes(std::size_t count, std::uint32_t seed, float size = 10) {
@@ -235,4 +235,4 @@ TEST(MortonGrains, follow_each_other_and_hold_no_more_than_asked_for) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::grain_bvh_test

@@ -7,7 +7,7 @@
 
 #include "cli/run_program.h"
 
-namespace spinel {
+namespace spinel::bench_test {
 namespace {
 
 class CliBench : public ProgramTest {};
@@ -124,4 +124,4 @@ TEST_F(CliBench, wrong_use_is_told) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::bench_test

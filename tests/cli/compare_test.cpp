@@ -8,7 +8,7 @@
 #include "image/image_io.h"
 #include "image/tone_map.h"
 
-namespace spinel {
+namespace spinel::compare_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -98,4 +98,4 @@ TEST_F(CliCompare, what_cannot_be_compared_is_refused) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::compare_test

@@ -4,7 +4,7 @@
 
 #include "cli/run_program.h"
 
-namespace spinel {
+namespace spinel::convert_test {
 namespace {
 
 constexpr int BAD_INPUT = 1, USAGE = 2;
@@ -110,4 +110,4 @@ TEST_F(CliConvert, a_sponge_has_20_to_the_n_voxels) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::convert_test

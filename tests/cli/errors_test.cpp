@@ -6,7 +6,7 @@
 
 #include "cli/run_program.h"
 
-namespace spinel {
+namespace spinel::errors_test {
 namespace {
 
 constexpr int BAD_INPUT = 1, USAGE = 2;
@@ -219,4 +219,4 @@ TEST_F(CliErrors, two_inputs_never_share_an_output) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::errors_test

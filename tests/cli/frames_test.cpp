@@ -6,7 +6,7 @@
 #include "cli/run_program.h"
 #include "image/image_io.h"
 
-namespace spinel {
+namespace spinel::frames_test {
 namespace {
 
 class CliFrames : public ProgramTest {
@@ -83,4 +83,4 @@ TEST_F(CliFrames, wrong_frames_are_refused_before_anything_is_rendered) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::frames_test

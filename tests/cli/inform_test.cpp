@@ -7,7 +7,7 @@
 
 #include "cli/run_program.h"
 
-namespace spinel {
+namespace spinel::inform_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -148,4 +148,4 @@ TEST_F(CliInform, info_counts_the_voxels_of_an_artist) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::inform_test

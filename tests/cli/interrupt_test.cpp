@@ -7,7 +7,7 @@
 #include "cli/run_program.h"
 #include "image/image_io.h"
 
-namespace spinel {
+namespace spinel::interrupt_test {
 namespace {
 
 class CliInterrupt : public ProgramTest {
@@ -79,4 +79,4 @@ TEST_F(CliInterrupt, an_old_picture_stays_whole_when_the_render_is_killed) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::interrupt_test

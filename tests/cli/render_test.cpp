@@ -12,7 +12,7 @@
 
 #include <OpenImageIO/imageio.h>
 
-namespace spinel {
+namespace spinel::render_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -290,4 +290,4 @@ TEST_F(CliRender, volumes_that_dvr_does_not_show_are_told_of) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::render_test

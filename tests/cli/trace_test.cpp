@@ -10,7 +10,7 @@
 #include "cli/run_program.h"
 #include "spinel/trace.h"
 
-namespace spinel {
+namespace spinel::trace_test {
 namespace {
 
 // The bytes of a .npy file, format version 1.
@@ -296,4 +296,4 @@ TEST_F(CliTrace, heights_and_frames_are_chosen_as_for_a_picture) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::trace_test

@@ -13,7 +13,7 @@
 #include "geometry/test_scene.h"
 #include "kernels/triangle.h"
 
-namespace spinel {
+namespace spinel::mesh_walk_test {
 namespace {
 
 using namespace test;
@@ -414,4 +414,4 @@ TEST(MeshWalkSlow, ten_million_rays_stay_inside_of_a_closed_mesh) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_walk_test

@@ -9,7 +9,7 @@
 #include "geometry/test_scene.h"
 #include "kernels/traverse.h"
 
-namespace spinel {
+namespace spinel::ray_batch_test {
 namespace {
 
 using namespace test;
@@ -80,4 +80,4 @@ TEST(RayBatch, every_ray_finds_what_it_finds_alone_bit_for_bit) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::ray_batch_test

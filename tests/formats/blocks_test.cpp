@@ -6,7 +6,7 @@
 #include "kernels/materials.h"
 #include "scene/validate.h"
 
-namespace spinel {
+namespace spinel::blocks_test {
 namespace {
 
 TEST(Blocks, the_commonest_are_known_with_colors_of_their_own) {
@@ -179,4 +179,4 @@ TEST(Blocks, every_material_is_valid) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::blocks_test

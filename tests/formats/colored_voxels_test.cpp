@@ -7,7 +7,7 @@
 #include "scene/validate.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::colored_voxels_test {
 namespace {
 
 using ColoredVoxels = FileTest;
@@ -96,4 +96,4 @@ TEST_F(ColoredVoxels, real_files_are_read) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::colored_voxels_test

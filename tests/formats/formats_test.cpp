@@ -11,7 +11,7 @@
 #include "scene/validate.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::formats_test {
 namespace {
 
 using Formats = FileTest;
@@ -174,4 +174,4 @@ TEST_F(Formats, damaged_and_unsupported_real_files_are_refused_with_one_line) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::formats_test

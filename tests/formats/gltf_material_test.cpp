@@ -12,7 +12,7 @@
 #include "scene/validate.h"
 #include "spinel/render.h"
 
-namespace spinel {
+namespace spinel::gltf_material_test {
 namespace {
 
 class GltfMaterial : public GltfTest {
@@ -286,4 +286,4 @@ TEST_F(MtlMaterial, textures_in_folders_below_are_found_whatever_the_slash) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::gltf_material_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace spinel {
+namespace spinel::mesh_attributes_test {
 namespace {
 
 // A unit cube of twelve triangles over eight shared corners.
@@ -108,4 +108,4 @@ TEST(MeshAttributes, tangents_run_along_u_and_mirrored_uvs_get_the_other_hand) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_attributes_test

@@ -8,7 +8,7 @@
 #include "gltf_file.h"
 #include "spinel/formats.h"
 
-namespace spinel {
+namespace spinel::mesh_refusal_test {
 namespace {
 
 class MeshRefusal : public GltfTest {
@@ -94,4 +94,4 @@ TEST_F(MeshRefusal, negative_files_of_the_data_are_refused_with_one_line) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_refusal_test

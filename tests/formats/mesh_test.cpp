@@ -11,7 +11,7 @@
 #include "kernels/materials.h"
 #include "scene/validate.h"
 
-namespace spinel {
+namespace spinel::mesh_test {
 namespace {
 
 const MeshGeometry& mesh_of(const Scene& scene, std::size_t geometry = 0) {
@@ -312,4 +312,4 @@ TEST_F(Mesh, the_normals_of_a_scan_point_the_way_its_faces_do) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_test

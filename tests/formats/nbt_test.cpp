@@ -7,7 +7,7 @@
 #include "nbt_writer.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::nbt_test {
 namespace {
 
 std::string deflated(const std::string& plain, int window_bits) {
@@ -156,4 +156,4 @@ TEST(Inflate, unpacks_lz4) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::nbt_test

@@ -4,7 +4,7 @@
 
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::npy_test {
 namespace {
 
 std::string npy(std::string header, const std::string& data, char major = 1) {
@@ -96,4 +96,4 @@ TEST_F(Npy, hits_are_written_as_the_structured_array_that_numpy_reads) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::npy_test

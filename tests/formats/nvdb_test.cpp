@@ -11,7 +11,7 @@
 #include "scene/validate.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::nvdb_test {
 namespace {
 
 using Nvdb = FileTest;
@@ -111,4 +111,4 @@ TEST_F(Nvdb, damage_is_refused_or_harmless) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::nvdb_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace spinel {
+namespace spinel::polygon_test {
 namespace {
 
 vec3 area_vector(const std::vector<vec3>& p, uvec3 t) { return 0.5f * glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]); }
@@ -83,4 +83,4 @@ TEST(Polygon, what_crosses_itself_or_has_no_area_still_ends) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::polygon_test

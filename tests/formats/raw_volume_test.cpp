@@ -8,7 +8,7 @@
 #include "scene/validate.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::raw_volume_test {
 namespace {
 
 using RawVolume = FileTest;
@@ -116,4 +116,4 @@ TEST_F(RawVolume, errors_name_the_line_and_what_is_allowed) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::raw_volume_test

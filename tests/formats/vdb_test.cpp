@@ -7,7 +7,7 @@
 #include "scene/validate.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::vdb_test {
 namespace {
 
 using Vdb = FileTest;
@@ -186,4 +186,4 @@ TEST_F(Vdb, lies_in_what_a_file_lists_are_refused_or_harmless) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::vdb_test

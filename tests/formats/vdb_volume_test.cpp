@@ -11,7 +11,7 @@
 #include "spinel/formats.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::vdb_volume_test {
 namespace {
 
 using VdbVolume = FileTest;
@@ -162,4 +162,4 @@ TEST_F(VdbVolume, what_is_too_large_is_refused_before_it_is_allocated) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::vdb_volume_test

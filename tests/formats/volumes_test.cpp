@@ -16,7 +16,7 @@
 #include "spinel/formats.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::volumes_test {
 namespace {
 
 using Volumes = FileTest;
@@ -324,4 +324,4 @@ TEST_F(Volumes, one_head_in_four_storage_orders_is_the_same_head) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::volumes_test

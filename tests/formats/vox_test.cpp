@@ -15,7 +15,7 @@
 #include "scene/validate.h"
 #include "vox_chunks.h"
 
-namespace spinel {
+namespace spinel::vox_test {
 namespace {
 
 class Vox : public FileTest {
@@ -437,4 +437,4 @@ TEST_F(Vox, models_of_a_real_scene_do_not_overlap) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::vox_test

@@ -14,7 +14,7 @@
 #include "scene/validate.h"
 #include "vox_chunks.h"
 
-namespace spinel {
+namespace spinel::vox_writer_test {
 namespace {
 
 class VoxWriter : public FileTest {};
@@ -252,4 +252,4 @@ TEST_F(VoxWriter, every_real_file_survives_being_written) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::vox_writer_test

@@ -15,7 +15,7 @@
 #include "scene/validate.h"
 #include "test_files.h"
 
-namespace spinel {
+namespace spinel::worlds_test {
 namespace {
 
 using Cell = std::array<int, 3>;
@@ -211,7 +211,7 @@ TEST_F(Structures, sponge_schematics_of_all_versions) {
 
 TEST_F(Structures, mcedit_schematics) {
     using namespace nbt;
-    const std::string file = document(sponge_box({{"Materials", text("Alpha")},
+    const std::string file = document(sponge_box({{"Materials", nbt::text("Alpha")},
                                                   {"Blocks", bytes(std::string("\x23\x00\x01\x00\x00\x35", 6))},
                                                   {"Data", bytes(std::string("\x0b\x00\x00\x00\x00\x02", 6))}}));
     const Result<Scene> scene = load_mcedit_schematic(write("a.schematic", file));
@@ -373,4 +373,4 @@ TEST_F(Worlds, real_files_hold_what_is_known_of_them) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::worlds_test

@@ -12,7 +12,7 @@
 #include "geometry/test_scene.h"
 #include "kernels/traverse.h"
 
-namespace spinel {
+namespace spinel::closed_mesh_test {
 namespace {
 
 using namespace test;
@@ -130,4 +130,4 @@ INSTANTIATE_TEST_SUITE_P(All, SlowClosedMeshStructures, testing::Range(std::size
                          });
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::closed_mesh_test

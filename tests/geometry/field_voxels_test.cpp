@@ -5,7 +5,7 @@
 #include "geometry/sdf/sdf_reference.h"
 #include "geometry/sdf/sdf_text.h"
 
-namespace spinel {
+namespace spinel::field_voxels_test {
 namespace {
 
 TEST(FieldVoxels, pruning_by_the_slope_changes_no_cell) {
@@ -55,4 +55,4 @@ TEST(FieldVoxels, a_volume_is_solid_where_it_is_dense_enough) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::field_voxels_test

@@ -6,7 +6,7 @@
 
 #include "geometry/test_scene.h"
 
-namespace spinel {
+namespace spinel::greedy_mesh_test {
 namespace {
 
 using namespace test;
@@ -71,4 +71,4 @@ TEST(GreedyMesh, what_is_behind_glass_is_seen) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::greedy_mesh_test

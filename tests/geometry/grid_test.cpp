@@ -12,7 +12,7 @@
 #include "geometry/volume/noise_bounds.h"
 #include "kernels/density.h"
 
-namespace spinel {
+namespace spinel::grid_test {
 namespace {
 
 using kernels::uint;
@@ -215,4 +215,4 @@ TEST(NoiseBounds, far_away_and_wide_are_still_sound) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::grid_test

@@ -6,7 +6,7 @@
 
 #include "geometry/test_scene.h"
 
-namespace spinel {
+namespace spinel::mesh_builder_test {
 namespace {
 
 using namespace test;
@@ -82,4 +82,4 @@ TEST(MeshBuilder, bad_meshes_are_refused_with_the_culprit_named) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_builder_test

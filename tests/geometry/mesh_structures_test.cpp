@@ -11,7 +11,7 @@
 #include "geometry/test_scene.h"
 #include "kernels/traverse.h"
 
-namespace spinel {
+namespace spinel::mesh_structures_test {
 namespace {
 
 using namespace test;
@@ -459,4 +459,4 @@ INSTANTIATE_TEST_SUITE_P(All, WatertightStructures,
                          parameter_name);
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_structures_test

@@ -8,7 +8,7 @@
 #include "geometry/voxels/triangle_cells.h"
 #include "geometry/voxels/voxelise.h"
 
-namespace spinel {
+namespace spinel::mesh_voxels_test {
 namespace {
 
 using namespace test;
@@ -207,4 +207,4 @@ TEST(VoxelTree, a_cube_tells_what_all_of_its_cells_hold) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::mesh_voxels_test

@@ -8,7 +8,7 @@
 #include "geometry/sdf/sdf_reference.h"
 #include "geometry/sdf_test_scene.h"
 
-namespace spinel {
+namespace spinel::sdf_builder_test {
 namespace {
 
 using glm::dvec3;
@@ -338,4 +338,4 @@ TEST(SdfBuilder, errors_name_the_place_and_what_is_allowed) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::sdf_builder_test

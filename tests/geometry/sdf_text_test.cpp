@@ -4,7 +4,7 @@
 
 #include "geometry/sdf/sdf_ops.h"
 
-namespace spinel {
+namespace spinel::sdf_text_test {
 namespace {
 
 bool same(const SdfNode& a, const SdfNode& b) {
@@ -71,4 +71,4 @@ TEST(SdfText, refuses_bottomless_nesting) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::sdf_text_test

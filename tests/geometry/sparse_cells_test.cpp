@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-namespace spinel {
+namespace spinel::sparse_cells_test {
 namespace {
 
 // Cells at random within `extent` of a corner that is no multiple of anything, some set twice, some solid cubes.
@@ -83,4 +83,4 @@ TEST(SparseCells, stay_within_their_memory) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::sparse_cells_test

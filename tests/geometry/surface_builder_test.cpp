@@ -11,7 +11,7 @@
 #include "geometry/volume/surface_reference.h"
 #include "kernels/sdf.h"
 
-namespace spinel {
+namespace spinel::surface_builder_test {
 namespace {
 
 using glm::dvec3;
@@ -322,4 +322,4 @@ TEST(VolumeSurface, a_level_set_as_fog_falls_to_nothing_at_its_surface) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::surface_builder_test

@@ -9,7 +9,7 @@
 #include "geometry/voxels/voxel_detail.h"
 #include "geometry/voxels/voxel_mips.h"
 
-namespace spinel {
+namespace spinel::voxel_detail_test {
 namespace {
 
 using namespace test;
@@ -151,4 +151,4 @@ TEST(VoxelMips, what_shows_decides_the_colour) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::voxel_detail_test

@@ -10,7 +10,7 @@
 #include "geometry/voxels/terrain.h"
 #include "spinel/voxels.h"
 
-namespace spinel {
+namespace spinel::voxel_tree_test {
 namespace {
 
 using namespace test;
@@ -211,4 +211,4 @@ TEST(VoxelTree, bad_input_is_refused) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::voxel_tree_test

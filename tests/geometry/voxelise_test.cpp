@@ -5,7 +5,7 @@
 #include "geometry/test_scene.h"
 #include "geometry/voxels/terrain.h"
 
-namespace spinel {
+namespace spinel::voxelise_test {
 namespace {
 
 using namespace test;
@@ -51,4 +51,4 @@ TEST(Voxelise, every_point_of_the_surface_lies_in_a_voxel_and_no_voxel_is_far_fr
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::voxelise_test

@@ -7,7 +7,7 @@
 
 #include "image/tone_map.h"
 
-namespace spinel {
+namespace spinel::flip_test {
 namespace {
 
 Image constant(int width, int height, std::vector<float> color) {
@@ -117,4 +117,4 @@ TEST(Flip, what_cannot_be_compared_is_refused) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::flip_test

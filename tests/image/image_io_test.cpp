@@ -11,7 +11,7 @@
 #define SPINEL_SOURCE_DIR "."
 #endif
 
-namespace spinel {
+namespace spinel::image_io_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -213,4 +213,4 @@ TEST_F(ImageIo, reads_real_environments) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::image_io_test

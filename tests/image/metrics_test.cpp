@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace spinel {
+namespace spinel::metrics_test {
 namespace {
 
 const Image a{2, 1, 3, {1, 2, 3, 4, 5, 6}};
@@ -40,4 +40,4 @@ TEST(Metrics, pictures_of_different_shape_are_refused) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::metrics_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace spinel {
+namespace spinel::palette_test {
 namespace {
 
 double error_of(const std::vector<std::uint32_t>& colors, const ColorPalette& palette) {
@@ -63,4 +63,4 @@ TEST(Palette, many_colours_are_nearer_than_with_even_levels) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::palette_test

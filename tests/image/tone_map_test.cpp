@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace spinel {
+namespace spinel::tone_map_test {
 namespace {
 
 float grey(float value, ToneMap tone_map, float stops = 0) {
@@ -74,4 +74,4 @@ TEST(ToneMapping, alpha_and_single_channels_keep_their_meaning) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::tone_map_test

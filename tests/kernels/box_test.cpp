@@ -5,7 +5,7 @@
 #include "geometry/test_scene.h"
 #include "render/reference.h"
 
-namespace spinel {
+namespace spinel::box_test {
 namespace {
 
 using namespace test;
@@ -93,4 +93,4 @@ TEST(SolidBox, equals_the_naive_twin) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::box_test

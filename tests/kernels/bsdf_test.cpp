@@ -13,7 +13,7 @@
 #include "sampling_statistics.h"
 #include "scene/material_registry.h"
 
-namespace spinel {
+namespace spinel::bsdf_test {
 namespace {
 
 using namespace kernels;
@@ -22,6 +22,7 @@ using glm::uvec2;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
+using kernels::Material;  // not the scene's
 
 struct Case {
     std::string name;
@@ -537,4 +538,4 @@ TEST(MaterialRegistry, metals_have_their_colours) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::bsdf_test

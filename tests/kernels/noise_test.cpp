@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace spinel {
+namespace spinel::noise_test {
 namespace {
 
 using namespace kernels;
@@ -100,4 +100,4 @@ TEST(Noise, far_away_is_safe) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::noise_test

@@ -6,7 +6,7 @@
 
 #include "sampling_statistics.h"
 
-namespace spinel {
+namespace spinel::phase_test {
 namespace {
 
 using namespace kernels;
@@ -90,4 +90,4 @@ TEST(Phase, forward_is_along_the_direction_of_travel) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::phase_test

@@ -8,7 +8,7 @@
 
 #include "sampling_statistics.h"
 
-namespace spinel {
+namespace spinel::random_test {
 namespace {
 
 using namespace kernels;
@@ -184,4 +184,4 @@ TEST(Hash, changes_half_the_bits) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::random_test

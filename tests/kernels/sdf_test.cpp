@@ -6,7 +6,7 @@
 
 #include "geometry/sdf_test_scene.h"
 
-namespace spinel {
+namespace spinel::sdf_test {
 namespace {
 
 using kernels::Hit;
@@ -286,4 +286,4 @@ TEST(SdfKernel, offset_points_lie_on_the_wanted_side) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::sdf_test

@@ -6,7 +6,7 @@
 
 #include "kernels/warp.h"
 
-namespace spinel {
+namespace spinel::sky_test {
 namespace {
 
 using namespace kernels;
@@ -129,4 +129,4 @@ TEST(Sky, is_finite_and_not_negative_everywhere) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::sky_test

@@ -8,7 +8,7 @@
 #include "geometry/test_scene.h"
 #include "render/reference.h"
 
-namespace spinel {
+namespace spinel::traverse_test {
 namespace {
 
 using namespace test;
@@ -286,4 +286,4 @@ TEST(Walk, no_ray_leaks_between_two_triangles_of_a_scanned_mesh) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::traverse_test

@@ -4,7 +4,7 @@
 
 #include "geometry/test_scene.h"
 
-namespace spinel {
+namespace spinel::triangle_test {
 namespace {
 
 using namespace test;
@@ -139,4 +139,4 @@ TEST(TriangleTest, degenerate_triangles_and_slivers_give_no_hit_or_a_finite_one)
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::triangle_test

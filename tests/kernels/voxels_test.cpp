@@ -13,7 +13,7 @@
 #include "kernels/traverse.h"
 #include "render/reference.h"
 
-namespace spinel {
+namespace spinel::voxels_test {
 namespace {
 
 using namespace test;
@@ -634,4 +634,4 @@ TEST(VoxelWalk, what_a_ray_costs_is_counted) {
 #endif
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::voxels_test

@@ -8,7 +8,7 @@
 #include "kernels/microfacet.h"
 #include "sampling_statistics.h"
 
-namespace spinel {
+namespace spinel::warp_test {
 namespace {
 
 using namespace kernels;
@@ -185,4 +185,4 @@ TEST(Frame, is_orthonormal_everywhere) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::warp_test

@@ -8,7 +8,7 @@
 #include "kernels/locate.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::contacts_test {
 namespace {
 
 using namespace test;
@@ -216,4 +216,4 @@ TEST(Contacts, are_flagged_where_they_are_and_no_further) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::contacts_test

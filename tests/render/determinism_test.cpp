@@ -11,7 +11,7 @@
 #include "scene/json_reader.h"
 #include "spinel/formats.h"
 
-namespace spinel {
+namespace spinel::determinism_test {
 namespace {
 
 // Something of everything that could depend on order: media, glass, textures, several lights.
@@ -119,4 +119,4 @@ TEST(Determinism, another_seed_gives_another_picture_of_the_same_mean) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::determinism_test

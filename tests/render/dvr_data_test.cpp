@@ -10,7 +10,7 @@
 #include "render/pictures.h"
 #include "scene/integrator_setting.h"
 
-namespace spinel {
+namespace spinel::dvr_data_test {
 namespace {
 
 using namespace test;
@@ -104,4 +104,4 @@ TEST_F(DvrData, one_head_in_four_storage_orders_is_one_picture) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::dvr_data_test

@@ -12,7 +12,7 @@
 #include "render/dvr_volumes.h"
 #include "scene/transfer.h"
 
-namespace spinel {
+namespace spinel::dvr_test {
 namespace {
 
 using namespace test;
@@ -356,4 +356,4 @@ TEST(Transfer, colour_maps_are_those_of_their_names) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::dvr_test

@@ -6,7 +6,7 @@
 #include "kernels/traverse.h"
 #include "render/dvr_volumes.h"
 
-namespace spinel {
+namespace spinel::dvr_twin_test {
 namespace {
 
 using namespace test;
@@ -197,4 +197,4 @@ TEST_F(DvrTwin, surfaces_stand_where_small_steps_find_them) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::dvr_twin_test

@@ -10,7 +10,7 @@
 
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::equiangular_test {
 namespace {
 
 using namespace test;
@@ -143,4 +143,4 @@ TEST(Equiangular, light_next_to_a_lamp_is_its_integral) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::equiangular_test

@@ -8,7 +8,7 @@
 #include "kernels/heatmap.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::gauge_test {
 namespace {
 
 using namespace test;
@@ -132,4 +132,4 @@ TEST(Heatmap, shows_what_is_counted_and_that_structures_differ) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::gauge_test

@@ -8,7 +8,7 @@
 #include "geometry/sphere_mesh.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::glass_test {
 namespace {
 
 using namespace test;
@@ -202,4 +202,4 @@ TEST(Glass, from_within_a_glass_ball_radiance_is_higher_by_the_square_of_the_ind
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::glass_test

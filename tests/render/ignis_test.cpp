@@ -25,7 +25,7 @@
 #include "image/metrics.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::ignis_test {
 namespace {
 
 using namespace test;
@@ -220,4 +220,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Ignis, testing::ValuesIn(scenes), name_of);
 INSTANTIATE_TEST_SUITE_P(Scenes, IgnisSlow, testing::ValuesIn(scenes), name_of);
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::ignis_test

@@ -12,7 +12,7 @@
 #include "scene/material_registry.h"
 #include "spinel/trace.h"
 
-namespace spinel {
+namespace spinel::joins_test {
 namespace {
 
 using test::Random;
@@ -213,4 +213,4 @@ TEST(Joins, a_mesh_without_triangles_is_refused_by_its_name) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::joins_test

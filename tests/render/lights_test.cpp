@@ -10,7 +10,7 @@
 #include "kernels/warp.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::lights_test {
 namespace {
 
 using namespace test;
@@ -367,4 +367,4 @@ TEST(Lights, a_picture_of_contrasts_lights_like_its_integral_for_either_filter) 
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::lights_test

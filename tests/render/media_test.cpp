@@ -10,7 +10,7 @@
 #include "kernels/phase.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::media_test {
 namespace {
 
 using namespace test;
@@ -353,4 +353,4 @@ TEST(Media, white_clouds_vanish_in_uniform_light) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::media_test

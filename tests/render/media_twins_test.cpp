@@ -8,7 +8,7 @@
 #include "geometry/sphere_mesh.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::media_twins_test {
 namespace {
 
 using namespace test;
@@ -114,4 +114,4 @@ TEST(MediaTwins, glass_filled_with_smoke_is_one_however_the_smoke_is_put_there) 
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::media_twins_test

@@ -10,7 +10,7 @@
 #include "kernels/constants.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::preview_test {
 namespace {
 
 using namespace test;
@@ -319,4 +319,4 @@ TEST(LevelOfDetail, lamps_stay_what_they_are) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::preview_test

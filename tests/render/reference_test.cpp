@@ -4,7 +4,7 @@
 
 #include "geometry/test_scene.h"
 
-namespace spinel {
+namespace spinel::reference_test {
 namespace {
 
 using namespace test;
@@ -63,4 +63,4 @@ TEST(Reference, triangles_voxels_and_implicit_surfaces_under_a_transform) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::reference_test

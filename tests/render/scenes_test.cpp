@@ -14,7 +14,7 @@
 #include "scene/compiled_scene.h"
 #include "spinel/formats.h"
 
-namespace spinel {
+namespace spinel::scenes_test {
 namespace {
 
 std::vector<std::string> scene_names() {
@@ -53,4 +53,4 @@ TEST_P(Scenes, have_the_mean_that_their_file_expects) {
 INSTANTIATE_TEST_SUITE_P(Files, Scenes, testing::ValuesIn(scene_names()), [](const auto& info) { return info.param; });
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::scenes_test

@@ -11,7 +11,7 @@
 #include "kernels/traverse.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::sdf_voxels_test {
 namespace {
 
 using namespace test;
@@ -115,4 +115,4 @@ TEST(SdfVoxels, what_has_no_cells_or_too_many_is_refused) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::sdf_voxels_test

@@ -11,7 +11,7 @@
 #include "render/pictures.h"
 #include "render/reference_march.h"
 
-namespace spinel {
+namespace spinel::single_scatter_test {
 namespace {
 
 using namespace test;
@@ -183,4 +183,4 @@ TEST(SlowSingleScatter, the_bunny_is_ten_times_as_fast_as_the_naive_march) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::single_scatter_test

@@ -7,7 +7,7 @@
 
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::slab_test {
 namespace {
 
 using namespace test;
@@ -153,4 +153,4 @@ TEST(FurnaceSlow, the_thickest_white_media_vanish_too) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::slab_test

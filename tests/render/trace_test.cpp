@@ -7,7 +7,7 @@
 
 #include "geometry/test_scene.h"
 
-namespace spinel {
+namespace spinel::trace_test {
 namespace {
 
 using namespace test;
@@ -215,4 +215,4 @@ TEST(TraceRays, an_unknown_accelerator_is_named_with_what_there_is) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::trace_test

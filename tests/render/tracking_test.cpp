@@ -10,7 +10,7 @@
 #include "kernels/phase.h"
 #include "render/pictures.h"
 
-namespace spinel {
+namespace spinel::tracking_test {
 namespace {
 
 using namespace test;
@@ -199,4 +199,4 @@ TEST(TrackingSlow, the_densest_white_clouds_vanish_too) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::tracking_test

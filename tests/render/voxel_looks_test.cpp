@@ -12,7 +12,7 @@
 #include "render/pictures.h"
 #include "scene/json_writer.h"
 
-namespace spinel {
+namespace spinel::voxel_looks_test {
 namespace {
 
 using namespace test;
@@ -196,4 +196,4 @@ TEST(Looks, what_cannot_be_is_refused_in_a_sentence) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::voxel_looks_test

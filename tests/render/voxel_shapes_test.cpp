@@ -12,7 +12,7 @@
 #include "render/pictures.h"
 #include "render/reference.h"
 
-namespace spinel {
+namespace spinel::voxel_shapes_test {
 namespace {
 
 using namespace test;
@@ -186,4 +186,4 @@ TEST(VoxelShapes, waves_and_round_edges_pass_a_furnace) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::voxel_shapes_test

@@ -7,7 +7,7 @@
 #include "scene/expression.h"
 #include "scene/json_test.h"
 
-namespace spinel {
+namespace spinel::animation_test {
 namespace {
 
 using namespace test;
@@ -127,4 +127,4 @@ TEST(Animation, a_frame_of_a_scene_without_one_is_an_error) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::animation_test

@@ -5,7 +5,7 @@
 #include "scene/compiled_scene.h"
 #include "scene/material_registry.h"
 
-namespace spinel {
+namespace spinel::compile_test {
 namespace {
 
 MeshGeometry triangle() {
@@ -96,4 +96,4 @@ TEST(Compile, pools_end_where_32_bit_indices_do) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::compile_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace spinel {
+namespace spinel::json_document_test {
 namespace {
 
 std::string message(const std::string& text) {
@@ -83,4 +83,4 @@ TEST(JsonDocument, size_is_limited) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::json_document_test

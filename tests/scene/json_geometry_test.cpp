@@ -1,6 +1,6 @@
 #include "json_test.h"
 
-namespace spinel {
+namespace spinel::json_geometry_test {
 namespace {
 
 using test::scene_of;
@@ -169,4 +169,4 @@ TEST(JsonGeometry, sdf_that_is_wrong) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::json_geometry_test

@@ -1,6 +1,6 @@
 #include "json_test.h"
 
-namespace spinel {
+namespace spinel::json_objects_test {
 namespace {
 
 using test::message;
@@ -162,4 +162,4 @@ TEST(JsonObjects, files_that_do_not_serve) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::json_objects_test

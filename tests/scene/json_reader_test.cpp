@@ -2,7 +2,7 @@
 
 #include "json_test.h"
 
-namespace spinel {
+namespace spinel::json_reader_test {
 namespace {
 
 using test::message;
@@ -218,4 +218,4 @@ TEST(JsonReader, references_list_what_exists) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::json_reader_test

@@ -13,7 +13,7 @@
 
 #include "json_test.h"
 
-namespace spinel {
+namespace spinel::json_schema_test {
 namespace {
 
 const std::filesystem::path source = SPINEL_SOURCE_DIR;
@@ -175,4 +175,4 @@ TEST(JsonSchema, what_the_reader_refuses_by_its_tables_disobeys_the_schema) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::json_schema_test

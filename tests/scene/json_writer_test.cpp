@@ -5,7 +5,7 @@
 
 #include "json_test.h"
 
-namespace spinel {
+namespace spinel::json_writer_test {
 namespace {
 
 using test::scene_of;
@@ -155,4 +155,4 @@ TEST(JsonReader, harmed_texts_are_read_or_refused) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::json_writer_test

@@ -17,7 +17,7 @@
 #include "scene/compiled_scene.h"
 #include "scene/material_registry.h"
 
-namespace spinel {
+namespace spinel::light_sampling_test {
 namespace {
 
 const vec3 from(0.3f, 0.2f, 0.1f);
@@ -199,4 +199,4 @@ TEST(PixelFilter, samples_follow_the_filter) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::light_sampling_test

@@ -7,7 +7,7 @@
 #include "scene/host_texture.h"
 #include "scene/material_registry.h"
 
-namespace spinel {
+namespace spinel::texture_test {
 namespace {
 
 // A picture of 4×2 texels whose red and green tell column and row, row 0 at the top.
@@ -102,4 +102,4 @@ TEST(TexturePlace, a_surface_looks_a_texture_up_in_its_own_set) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::texture_test

@@ -8,7 +8,7 @@
 #include "geometry/test_scene.h"
 #include "image/pixels.h"
 
-namespace spinel {
+namespace spinel::validate_test {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -201,4 +201,4 @@ TEST(Validate, tiny_and_stretched_transforms_are_not_singular) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::validate_test

@@ -20,7 +20,7 @@
 #include "vulkan/kernel_cases.h"
 #include "vulkan_test.h"
 
-namespace spinel {
+namespace spinel::kernels_agree_test {
 namespace {
 
 using kernels::CaseResult;
@@ -112,4 +112,4 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(Materials, KernelsAgree, testing::ValuesIn(materials), name_of);
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::kernels_agree_test

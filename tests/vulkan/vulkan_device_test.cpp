@@ -6,7 +6,7 @@
 
 #include "vulkan_test.h"
 
-namespace spinel {
+namespace spinel::vulkan_device_test {
 namespace {
 
 struct PushConstants {
@@ -123,4 +123,4 @@ TEST(VulkanDevice, buffers_and_pipelines_outlive_their_device) {
 }
 
 }  // namespace
-}  // namespace spinel
+}  // namespace spinel::vulkan_device_test

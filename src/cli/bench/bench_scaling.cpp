@@ -67,7 +67,7 @@ Result<std::vector<ScalingRow>> bench_scaling(const Scene& scene, const MeshBenc
     alone.film.size = {edge, edge};
     alone.cameras = scene.cameras;
     alone.accelerator = scene.accelerator;
-    alone.materials = {Material{"", default_material(kernels::MATERIAL_DIFFUSE)}};
+    alone.materials = {spinel::Material{"", default_material(kernels::MATERIAL_DIFFUSE)}};
     Object object;
     object.geometry = 0;
     object.materials = {0};

@@ -47,9 +47,9 @@ struct MeshStatistics {
 struct MeshStructure {
     const char* name;
     const char* doc;
-    kernels::uint walk;  // MESH_WALK_…
     // Fails where there is more than the indices of nodes can tell apart.
     Result<void> (*build)(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics);
+    kernels::uint walk;        // MESH_WALK_…
     bool has_presets = false;  // those of wide_mesh.h
 };
 
