@@ -19,6 +19,12 @@ constexpr uint block_triangles = kernels::COMPACT_BLOCK_TRIANGLES, block_vertice
 
 uint rounded_up(uint words, uint to) { return (words + to - 1) / to * to; }
 
+// 0 and −0 are two vertices.
+bool same_bits(const glm::vec3& a, const glm::vec3& b) {
+    using Bits = std::array<std::uint32_t, 3>;
+    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
+
 struct Block {
     uint triangle_count = 0, vertex_count = 0;
     std::array<uint, block_triangles> indices;  // of triangles
@@ -32,8 +38,7 @@ struct Block {
         for (uint corner = 0; corner < 3; ++corner) {
             const glm::vec3& vertex = (&triangle.a)[corner];
             uint place = 0;
-            // By bits, as 0 and −0 are two vertices.
-            while (place < count && std::memcmp(&vertices[place], &vertex, sizeof vertex) != 0) ++place;
+            while (place < count && !same_bits(vertices[place], vertex)) ++place;
             if (place == block_vertices) return false;
             if (place == count) vertices[count++] = vertex;
             places |= place << (3 * corner);

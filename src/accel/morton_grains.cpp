@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -23,12 +24,18 @@ constexpr std::uint64_t index_mask = (std::uint64_t(1) << index_bits) - 1;
 constexpr std::size_t chunk = 1 << 16;            // keys that are counted and moved together
 constexpr std::size_t parallel_threshold = 8192;  // keys below which a range is not worth a task
 
-// Two places between each of 12 bits.
-std::uint64_t spread(std::uint64_t v) {
+// In the compilers' own vector types.
+using Ints = std::int32_t __attribute__((vector_size(16)));
+using Codes = std::uint64_t __attribute__((vector_size(32)));
+
+// The bits of three numbers, up to 12 each, in turns.
+std::uint64_t interleaved(const Ints& numbers) {
+    Codes v = __builtin_convertvector(numbers, Codes);
     v = (v | v << 16) & 0xff0000ffu;
     v = (v | v << 8) & 0xf00f00f00fu;
     v = (v | v << 4) & 0xc30c30c30c3u;
-    return (v | v << 2) & 0x249249249249u;
+    v = ((v | v << 2) & 0x249249249249u) << Codes{0, 1, 2, 0};
+    return v[0] | v[1] | v[2];
 }
 
 // What maps a centre to its place along the curve through a box.
@@ -49,9 +56,9 @@ class Curve {
     std::uint64_t place(SignedBounds center) const {
         alignas(16) int at[4];
         store_truncated((offset_ - center.negated_lower()) * scale_, at);
-        std::uint64_t code = 0;
-        for (int a = 0; a < 3; ++a) code |= spread(std::uint64_t(std::max(at[a], 0))) << a;
-        return code;
+        Ints places;
+        std::memcpy(&places, at, sizeof places);
+        return interleaved(places > 0 ? places : Ints{});
     }
 
   private:
@@ -61,6 +68,7 @@ class Curve {
 // Least significant digits first, twelve bits at a time; chunks are moved side by side, each to places of its own.
 void sort_keys(HugeVector<std::uint64_t>& keys) {
     constexpr int digit_bits = 12;
+    static_assert(code_bits % digit_bits == 0);
     constexpr std::size_t digits = std::size_t(1) << digit_bits;
     const std::size_t chunks = (keys.size() + chunk - 1) / chunk;
     HugeVector<std::uint64_t> moved(keys.size());
@@ -74,8 +82,16 @@ void sort_keys(HugeVector<std::uint64_t>& keys) {
     for (int shift = index_bits; shift < 64; shift += digit_bits) {
         const auto digit = [shift](std::uint64_t key) { return (key >> shift) & (digits - 1); };
         in_chunks([&](auto& count, std::size_t begin, std::size_t end) {
+            // Neighbours are often alike, and an addition waits for the one before to the same number.
+            std::array<std::uint32_t, digits> other{};
             count.fill(0);
-            for (std::size_t i = begin; i < end; ++i) ++count[digit(keys[i])];
+            std::size_t i = begin;
+            for (; i + 2 <= end; i += 2) {
+                ++count[digit(keys[i])];
+                ++other[digit(keys[i + 1])];
+            }
+            if (i < end) ++count[digit(keys[i])];
+            for (std::size_t d = 0; d < digits; ++d) count[d] += other[d];
         });
         std::uint32_t sum = 0;
         for (std::size_t d = 0; d < digits; ++d)
@@ -124,10 +140,17 @@ HugeVector<std::uint64_t> sorted_keys(const Primitives& boxes) {
     }
     HugeVector<std::uint64_t> keys(count);
     const Curve curve(centers);
+    const auto key_of = [&](const SignedBounds& box, std::size_t i) {
+        return curve.place(box.center()) << index_bits | i;
+    };
     in_chunks([&](Part& part, std::size_t begin, std::size_t end) {
+        if (count == boxes.size()) {  // there is nothing to ask
+            for (std::size_t i = begin; i < end; ++i) keys[i] = key_of(signed_bounds(boxes[i]), i);
+            return;
+        }
         for (std::size_t i = begin; i < end; ++i) {
             const SignedBounds box = signed_bounds(boxes[i]);
-            if (is_usable(box)) keys[part.usable++] = curve.place(box.center()) << index_bits | i;
+            if (is_usable(box)) keys[part.usable++] = key_of(box, i);
         }
     });
     sort_keys(keys);
@@ -157,13 +180,7 @@ class Cutter {
             zoom(begin, end);
         }
         const std::uint64_t first = code_of(keys_[begin]), last = code_of(keys_[end - 1]);
-        if (first != last) {
-            const std::uint64_t bit = std::bit_floor(first ^ last);
-            middle = std::size_t(std::partition_point(keys_.begin() + std::ptrdiff_t(begin),
-                                                      keys_.begin() + std::ptrdiff_t(end),
-                                                      [bit](std::uint64_t key) { return !(code_of(key) & bit); }) -
-                                 keys_.begin());
-        }
+        if (first != last) { middle = first_with(index_bits + std::bit_width(first ^ last) - 1, begin, end); }
         if (count < parallel_threshold) {
             cut(begin, middle, zooms, grains);
             cut(middle, end, zooms, grains);
@@ -178,6 +195,18 @@ class Cutter {
     }
 
   private:
+    // The first of the keys in a range that has a bit set, as it is in the last. Without branches, of which every other
+    // would be guessed wrongly.
+    std::size_t first_with(int bit, std::size_t begin, std::size_t end) const {
+        std::size_t at = begin, count = end - begin;
+        while (count > 1) {
+            const std::size_t half = count / 2;
+            at += half * (~keys_[at + half - 1] >> bit & 1);
+            count -= half;
+        }
+        return at;
+    }
+
     void zoom(std::size_t begin, std::size_t end) {
         const auto run = std::span(keys_).subspan(begin, end - begin);
         const auto center = [&](std::uint64_t key) { return signed_bounds(boxes_[key & index_mask]).center(); };

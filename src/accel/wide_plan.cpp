@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cstring>
 #include <limits>
 
 #include "core/huge_pages.h"
@@ -20,16 +21,25 @@ float half_area(const BvhNode& n) {
     return e.x * e.y + e.y * e.z + e.z * e.x;
 }
 
+// For i = 1 … 8 children a lane each, in the compilers' own vector types; arguments by reference alone, since how they
+// are passed by value hangs on the machine.
+using FloatLanes = float __attribute__((vector_size(4 * width)));
+using Lanes = std::uint32_t __attribute__((vector_size(4 * width)));
+
 // What is the cheapest way to stand for a subtree of the binary tree as at most i children of a wide node (i = 1 … 7;
-// as one child: a leaf or a wide node of its own; 8: all the children of that node)? What it costs, wanted until the
-// parent's is known …
+// as one child: a leaf or a wide node of its own)? What it costs, wanted until the parent's is known …
 class Costs {
   public:
     std::uint32_t most;  // children that it can stand for, up to 7: more are as cheap
 
-    Costs() { costs_.fill(std::numeric_limits<float>::infinity()); }
-    // i = −7 … 8; of no children and fewer infinite, so that every i can be asked.
-    float& operator[](std::uint32_t i) { return costs_[width - 1 + i]; }
+    // i = 1 … 8, the last of no meaning.
+    float operator[](std::uint32_t i) const { return costs_[width - 1 + i]; }
+    void fill(float cost) { std::fill(costs_.begin() + width, costs_.end(), cost); }
+    void fill(const Lanes& costs) { std::memcpy(&costs_[width], &costs, sizeof costs); }
+    // Lane i: the costs of i − `less` children; of none and fewer infinite.
+    void load(std::uint32_t less, FloatLanes& lanes) const { std::memcpy(&lanes, &costs_[width - less], sizeof lanes); }
+
+    Costs() { std::fill(costs_.begin(), costs_.begin() + width, std::numeric_limits<float>::infinity()); }
 
   private:
     alignas(32) std::array<float, 2 * width> costs_;
@@ -42,16 +52,24 @@ class Choice {
   public:
     std::uint32_t first;  // of the subtree's primitives in the order of leaves, or scattered …
     std::uint32_t count;  // … and how many
+    float promise;        // area for each of them
+    std::uint32_t below;  // the first of the node's children, which is read from here where nodes are met in no order
 
-    // Of i = 2 … 8 children those that stand for the left subtree; 0: as for i − 1.
+    // Of i = 2 … 8 children those that stand for the left subtree; 0, also for i = 1: one child is as cheap.
     std::uint32_t left(std::uint32_t i) const { return choices_ >> (3 * (i - 1)) & 7u; }
-    void set_left(std::uint32_t i, std::uint32_t children) { choices_ |= children << (3 * (i - 1)); }
+    void set_left(const Lanes& children) {
+        Lanes bits = (children & Lanes{0, 7, 7, 7, 7, 7, 7, 7}) << Lanes{0, 3, 6, 9, 12, 15, 18, 21};
+        bits |= __builtin_shufflevector(bits, bits, 4, 5, 6, 7, 0, 1, 2, 3);
+        bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1, 6, 7, 4, 5);
+        choices_ |= bits[0] | bits[1];
+    }
     // As one child, a leaf is the cheapest.
-    bool leaf() const { return choices_ & 1u; }
-    void set_leaf() { choices_ |= 1u; }
+    bool leaf() const { return choices_ & leaf_bit; }
+    void set_leaf() { choices_ |= leaf_bit; }
     void clear() { choices_ = 0; }
 
   private:
+    static constexpr std::uint32_t leaf_bit = 1u << 31;
     std::uint32_t choices_;
 };
 
@@ -76,59 +94,63 @@ class Planner {
     void choose(std::uint32_t n, std::uint32_t depth, Costs& out) {
         const BvhNode& node = binary_.nodes[n];
         if (node.count > 0) {
-            const float cost = choose_leaf(n);
-            for (std::uint32_t i = 1; i <= width; ++i) out[i] = cost;
+            out.fill(choose_leaf(n));
             out.most = 1;
             return;
         }
-        // Costs for each i. The number of children on the left stands in the last bits, so that the least of all is
-        // found without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
-        std::array<std::uint32_t, width> least;
-        const auto packed = [](float cost, std::uint32_t left) {
-            return (std::bit_cast<std::uint32_t>(cost) & ~7u) | left;
-        };
+        // The least costs for each i. The number of children on the left stands in the last bits, so that the least of
+        // all is found without a branch; also where areas are beyond what floats hold, costs order like whole numbers.
+        Lanes least;
         if (binary_.nodes[node.first].count > 0 && binary_.nodes[node.first + 1].count > 0) {
-            least.fill(packed(choose_leaf(node.first) + choose_leaf(node.first + 1), 1));
+            const float both = choose_leaf(node.first) + choose_leaf(node.first + 1);
+            least = Lanes{} + ((std::bit_cast<std::uint32_t>(both) & ~7u) | 1u);
             out.most = 2;
         } else {
             Costs left, right;
             choose_both(node.first, depth, left, right);
-            least.fill(~0u);
-            for (std::uint32_t k = 1; k <= left.most; ++k)
-                for (std::uint32_t i = 1; i <= width; ++i)
-                    least[i - 1] = std::min(least[i - 1], packed(left[k] + right[i - k], k));
+            least = Lanes{} + ~0u;
+            for (std::uint32_t k = 1; k <= left.most; ++k) {
+                FloatLanes sums;
+                right.load(k, sums);
+                sums += left[k];
+                const Lanes packed = ((Lanes)sums & ~7u) | k;
+                least = packed < least ? packed : least;
+            }
             out.most = std::min(left.most + right.most, width - 1);
         }
-        for (std::uint32_t i = 2; i <= width; ++i) out[i] = std::bit_cast<float>(least[i - 1] & ~7u);
         Choice& choice = choices_[n];
         choice.clear();
-        choice.set_left(width, least[width - 1] & 7u);
-        const float area = half_area(node);
         join(choices_[node.first], choices_[node.first + 1], choice);
-        out[1] = area * options_.node_cost + out[width];
+        const float area = half_area(node);
+        choice.promise = area / float(choice.count);
+        choice.below = node.first;
+        float single = area * options_.node_cost + std::bit_cast<float>(least[width - 1] & ~7u);
         if (choice.first != scattered && choice.count <= options_.max_leaf_blocks * leaves_.most) {
             const std::uint32_t blocks = leaves_.blocks(choice.first, choice.count);
             const float as_leaf = area * options_.block_cost * float(blocks);
-            if (blocks <= options_.max_leaf_blocks && as_leaf <= out[1]) {
+            if (blocks <= options_.max_leaf_blocks && as_leaf <= single) {
                 choice.set_leaf();
-                out[1] = as_leaf;
+                single = as_leaf;
             }
         }
-        for (std::uint32_t i = 2; i < width; ++i) {
-            const bool less = out[i] < out[i - 1];
-            choice.set_left(i, less ? least[i - 1] & 7u : 0u);
-            out[i] = less ? out[i] : out[i - 1];
-        }
+        // One child may be cheaper than several. Not of the node itself, which has all eight.
+        Lanes one = Lanes{} + std::bit_cast<std::uint32_t>(single), several = least & ~7u;
+        several[0] = ~0u;
+        out.fill(one < several ? one : several);
+        one[width - 1] = ~0u;
+        choice.set_left(one <= several ? Lanes{} : least);
     }
 
     float choose_leaf(std::uint32_t n) {
         const BvhNode& node = binary_.nodes[n];
+        const float area = half_area(node);
         Choice& choice = choices_[n];
         choice.clear();
         choice.set_leaf();
         choice.first = node.first;
         choice.count = node.count;
-        return half_area(node) * options_.block_cost * float(leaves_.blocks(node.first, node.count));
+        choice.promise = area / float(node.count);
+        return area * options_.block_cost * float(leaves_.blocks(node.first, node.count));
     }
 
     void choose_both(std::uint32_t n, std::uint32_t depth, Costs& left, Costs& right) {
@@ -166,16 +188,15 @@ class Planner {
         std::uint32_t size = 0;
         stack[size++] = {n, width};
         while (size > 0) {
-            Part part = stack[--size];
+            const Part part = stack[--size];
             const Choice& c = choices_[part.node];
-            while (part.slots > 1 && c.left(part.slots) == 0) --part.slots;
-            if (part.slots == 1) {
+            const std::uint32_t left = c.left(part.slots);
+            if (left == 0) {
                 children[count++] = part.node;
                 continue;
             }
-            const std::uint32_t left = c.left(part.slots), first = binary_.nodes[part.node].first;
-            stack[size++] = {first + 1, part.slots - left};
-            stack[size++] = {first, left};
+            stack[size++] = {c.below + 1, part.slots - left};
+            stack[size++] = {c.below, left};
         }
         return count;
     }
@@ -187,7 +208,7 @@ class Planner {
         // Positive floats order like whole numbers; the last bits tell those apart that are as large.
         std::array<std::uint32_t, width> promises{}, ranks{}, sorted{};
         for (std::uint32_t i = 0; i < count; ++i) {
-            const float promise = half_area(binary_.nodes[children[i]]) / float(choices_[children[i]].count);
+            const float promise = choices_[children[i]].promise;
             promises[i] = (std::bit_cast<std::uint32_t>(promise) & ~7u) | (width - 1 - i);
         }
         for (const std::uint32_t promise : promises)
@@ -218,8 +239,11 @@ class Planner {
                 node.counts[i] = c.leaf() ? c.count : 0;
                 if (c.leaf()) out_.triangle_count += c.count;
             }
-            for (std::uint32_t i = node.count; i-- > 0;)
-                if (node.counts[i] == 0) stack.push_back({node.children[i], pending.depth + 1, index, i});
+            for (std::uint32_t i = node.count; i-- > 0;) {
+                if (node.counts[i] > 0) continue;
+                stack.push_back({node.children[i], pending.depth + 1, index, i});
+                __builtin_prefetch(&choices_[choices_[node.children[i]].below]);
+            }
         }
     }
 

@@ -38,7 +38,8 @@ const Kind kinds[] = {
     {"accelerators",
      [] {
          std::vector<Entry> list;
-         for (const Accelerator& a : accelerators()) list.push_back({a.name, a.description});
+         for (const Accelerator& a : accelerators())
+             list.push_back({a.name, a.description + (a.method == TraceMethod::walk ? "" : "; `spinel trace` alone")});
          return list;
      }},
     {"aovs", [] { return entries(aov_infos()); }},

@@ -464,7 +464,7 @@ std::function<int()> render_command(CLI::App& app, const CommonOptions& common) 
     app.add_option("--accel", o->accelerator.structure,
                    "what meshes are built into, `spinel list accelerators` (default: the scene's)");
     app.add_option("--accel-preset", o->accelerator.preset,
-                   "how wide-bvh8 is built: fast, balanced, high (default: the scene's)");
+                   "how wide-bvh8 and wide-bvh8-compact are built: fast, balanced, high (default: the scene's)");
     app.add_option("--device", o->device, "`spinel list devices`")->capture_default_str();
     app.add_option("--seed", o->seed, "another seed, another noise; the same seed, the same bits")
         ->capture_default_str();

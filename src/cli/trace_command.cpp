@@ -89,7 +89,8 @@ std::function<int()> trace_command(CLI::App& app, const CommonOptions& common) {
     app.add_option("--rays", o->rays, "rays.npy: float32 [N,8] = origin, t_min, direction, t_max")->required();
     app.add_option("-o,--output", o->output, "hits.npy: structured array, one record a ray")->required();
     app.add_option("--accel", o->accelerator, "`spinel list accelerators` (default: the scene's)");
-    app.add_option("--accel-preset", o->preset, "how wide-bvh8 is built: fast, balanced, high (default: the scene's)");
+    app.add_option("--accel-preset", o->preset,
+                   "how wide-bvh8 and wide-bvh8-compact are built: fast, balanced, high (default: the scene's)");
     app.add_option("--triangle-test", o->triangle_test, "`spinel list triangle-tests` (default: the scene's)");
     app.add_flag("--any", o->trace.any, "only whether anything is hit: t is 0 if so, infinity if not");
     app.add_option("-t,--threads", o->trace.threads, "worker threads (0: one a core)")->check(CLI::Range(0, 1024));
