@@ -365,6 +365,56 @@ TEST_P(MeshStructures, every_triangle_is_stored_once_and_measured) {
     EXPECT_GT(data->statistics.bytes, mesh.triangles.size() * 12);
 }
 
+// Where vertices go is far from where they were: half of the torus is turned over.
+TEST_P(MeshStructures, a_refitted_mesh_is_hit_where_its_vertices_are_now) {
+    const AcceleratorSettings settings{structure().name, test().name};
+    const auto choice = choose_accelerator(settings);
+    ASSERT_TRUE(choice);
+    MeshGeometry mesh = torus(40, 30, 0.4f);
+    auto data = build_mesh(mesh, settings);
+    ASSERT_TRUE(data);
+    for (vec3& p : mesh.positions) p = p.x > 0 ? vec3(p.x, -2 * p.z, p.y + 1) : vec3(p.x, p.y * 0.5f, p.z);
+    const auto refitted = refit_mesh(mesh, *choice, *data);
+    ASSERT_TRUE(refitted);
+    EXPECT_EQ(*refitted, structure().refit != nullptr);
+    if (!*refitted) return;
+    TestScene scene;
+    scene.place(kernels::GEOMETRY_MESH, scene.add(mesh, *data));
+    int found = 0;
+    for (const Ray& ray : rays_for(mesh)) {
+        const Naive expected = naive_closest(scene.view(), ray);
+        if (!is_watertight(test()) && !expected.real) continue;  // its rounding may differ
+        Hit hit = kernels::no_hit(ray.t_max);
+        kernels::mesh_closest(scene.view(), 0, ray, hit);
+        ASSERT_EQ(hit.t, expected.t);
+        ASSERT_EQ(kernels::mesh_any(scene.view(), 0, ray), expected.triangle != NO);
+        found += expected.triangle != NO;
+    }
+    EXPECT_GT(found, 50);
+}
+
+TEST_P(MeshStructures, other_triangles_are_not_refitted) {
+    const AcceleratorSettings settings{structure().name, test().name};
+    const auto choice = choose_accelerator(settings);
+    ASSERT_TRUE(choice);
+    const MeshGeometry mesh = torus(12, 8, 0.4f);
+    auto data = build_mesh(mesh, settings);
+    ASSERT_TRUE(data);
+    MeshGeometry flat = mesh, turned = mesh, slotted = mesh, endless = mesh;
+    flat.positions[mesh.triangles[3].x] = flat.positions[mesh.triangles[3].y];  // and has no area
+    std::swap(turned.triangles[5].x, turned.triangles[5].y);
+    slotted.slots.assign(mesh.triangles.size(), 1);
+    for (const MeshGeometry& other : {flat, turned, slotted}) {
+        const auto refitted = refit_mesh(other, *choice, *data);
+        ASSERT_TRUE(refitted);
+        EXPECT_FALSE(*refitted);
+    }
+    endless.positions[7].y = std::numeric_limits<float>::infinity();
+    const auto refused = refit_mesh(endless, *choice, *data);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message, "mesh vertex 7 has a position that is not finite");
+}
+
 TEST(MeshPresets, are_of_the_wide_hierarchies_alone) {
     for (const MeshStructure& structure : mesh_structures()) {
         SCOPED_TRACE(structure.name);

@@ -42,10 +42,13 @@ class TestScene {
     std::uint32_t add(const MeshGeometry& mesh, const AcceleratorSettings& accelerator = {}) {
         const auto built = build_mesh(mesh, accelerator);
         if (!built) throw std::runtime_error(built.error().message);
-        const auto record = append_mesh(pools_, mesh, *built);
+        return add(mesh, *built);
+    }
+    std::uint32_t add(const MeshGeometry& mesh, const MeshData& built) {
+        const auto record = append_mesh(pools_, mesh, built);
         if (!record) throw std::runtime_error(record.error().message);
         meshes_.push_back(*record);
-        mesh_bounds_.push_back(built->bounds);
+        mesh_bounds_.push_back(built.bounds);
         return count(meshes_) - 1;
     }
     std::uint32_t add(const VoxelGeometry& voxels) {

@@ -158,15 +158,17 @@ Result<std::string> heat_png(const HeatMap& map, double most) {
 std::string table(const BenchReport& report) {
     std::string html =
         "<table><tr><th>structure</th><th>rays</th><th>Mrays/s</th><th>build ms, 1 thread</th><th>2 threads</th>"
-        "<th>MB</th><th>expected cost</th><th>depth</th><th>nodes</th><th>boxes</th><th>tests</th></tr>\n";
+        "<th>refit ms</th><th>MB</th><th>expected "
+        "cost</th><th>depth</th><th>nodes</th><th>boxes</th><th>tests</th></tr>\n";
     const auto known = [](double x) { return x > 0 ? short_number(x) : std::string("–"); };
     for (const BenchRow& row : report.rows)
         html += fmt::format(
-            "<tr><td>{}</td><td>{}</td><td>{:.2f}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{}</td><td>{}</td>"
+            "<tr><td>{}</td><td>{}</td><td>{:.2f}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{}</"
+            "td><td>{}</td>"
             "<td>{}</td><td>{}</td><td>{}</td></tr>\n",
             escaped(row.subject + ": " + name_of(row)), row.rays, row.mrays_per_s, known(row.build_ms),
-            known(row.build_ms_two_threads), 1e-6 * row.bytes, known(row.sah_cost), known(row.depth),
-            known(row.nodes_per_ray), known(row.boxes_per_ray), known(row.tests_per_ray));
+            known(row.build_ms_two_threads), known(row.refit_ms), 1e-6 * row.bytes, known(row.sah_cost),
+            known(row.depth), known(row.nodes_per_ray), known(row.boxes_per_ray), known(row.tests_per_ray));
     return html + "</table>\n";
 }
 
@@ -193,6 +195,8 @@ Result<void> write_html(const BenchReport& report, const std::string& file) {
         bars_of(report, "build on one thread, ms", "meshes", "primary", [](const BenchRow& r) { return r.build_ms; });
     html += bars_of(report, "build on two threads, ms", "meshes", "primary",
                     [](const BenchRow& r) { return r.build_ms_two_threads; });
+    html += bars_of(report, "refit, where vertices move, ms", "meshes", "primary",
+                    [](const BenchRow& r) { return r.refit_ms; });
     html +=
         bars_of(report, "bytes, triangles included", "meshes", "primary", [](const BenchRow& r) { return r.bytes; });
     html += "<h2>What a ray takes: meshes</h2>\n";

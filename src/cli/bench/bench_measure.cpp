@@ -87,6 +87,7 @@ void Measurement::add(const BenchStructure& s, std::vector<BenchRow>& rows) cons
     row.rays = kind_;
     row.build_ms = s.build_ms;
     row.build_ms_two_threads = s.build_ms_two_threads;
+    row.refit_ms = s.refit_ms;
     row.sah_cost = s.sah_cost;
     row.depth = s.depth;
     row.bytes = s.bytes;

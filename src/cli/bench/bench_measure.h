@@ -11,7 +11,7 @@ namespace spinel::cli {
 // A row of the table, of `--json` and of the report.
 struct BenchRow {
     std::string subject, structure, preset, rays;
-    double build_ms = 0, build_ms_two_threads = 0, sah_cost = 0;  // 0: unknown
+    double build_ms = 0, build_ms_two_threads = 0, refit_ms = 0, sah_cost = 0;  // 0: unknown
     std::uint32_t depth = 0;
     double bytes = 0, mrays_per_s = 0;
     double nodes_per_ray = -1, boxes_per_ray = -1, tests_per_ray = -1;  // below 0: not counted

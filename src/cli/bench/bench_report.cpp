@@ -16,17 +16,18 @@ std::string number(double x, const char* unknown = "-") { return x < 0 ? unknown
 std::string table_text(const BenchReport& report) {
     std::string text =
         fmt::format("{}: one thread, median of {}, processor time\n", report.input, report.repeats) +
-        fmt::format("{:<8} {:<26} {:<8} {:>8} {:>9} {:>9} {:>6} {:>6} {:>6} {:>9} {:>9} {:>7} {:>5} {:>8}\n", "subject",
-                    "structure", "rays", "Mrays/s", "build ms", "2 threads", "nodes", "boxes", "tests", "MB", "B/tri",
-                    "cost", "depth", "differ");
+        fmt::format("{:<8} {:<26} {:<8} {:>8} {:>9} {:>9} {:>8} {:>6} {:>6} {:>6} {:>9} {:>9} {:>7} {:>5} {:>8}\n",
+                    "subject", "structure", "rays", "Mrays/s", "build ms", "2 threads", "refit ms", "nodes", "boxes",
+                    "tests", "MB", "B/tri", "cost", "depth", "differ");
     for (const BenchRow& row : report.rows) {
         const std::string name = row.preset.empty() ? row.structure : row.structure + " " + row.preset;
         const bool meshes = row.subject == "meshes" && report.triangles > 0;
         text += fmt::format(
-            "{:<8} {:<26} {:<8} {:>8.3f} {:>9.2f} {:>9} {:>6} {:>6} {:>6} {:>9.3f} {:>9} {:>7} {:>5} {:>8}\n",
+            "{:<8} {:<26} {:<8} {:>8.3f} {:>9.2f} {:>9} {:>8} {:>6} {:>6} {:>6} {:>9.3f} {:>9} {:>7} {:>5} {:>8}\n",
             row.subject, name, row.rays, row.mrays_per_s, row.build_ms,
             row.build_ms_two_threads > 0 ? fmt::format("{:.2f}", row.build_ms_two_threads) : "-",
-            number(row.nodes_per_ray), number(row.boxes_per_ray), number(row.tests_per_ray), 1e-6 * row.bytes,
+            row.refit_ms > 0 ? fmt::format("{:.2f}", row.refit_ms) : "-", number(row.nodes_per_ray),
+            number(row.boxes_per_ray), number(row.tests_per_ray), 1e-6 * row.bytes,
             meshes ? number(row.bytes / double(report.triangles)) : "-", row.sah_cost > 0 ? number(row.sah_cost) : "-",
             row.depth > 0 ? fmt::format("{}", row.depth) : "-",
             row.differing < 0 ? "-" : fmt::format("{:.4f}%", 100 * row.differing));
@@ -68,6 +69,7 @@ std::string rows_json(const BenchReport& report) {
             json["tests_per_ray"] = row.tests_per_ray;
         }
         if (row.build_ms_two_threads > 0) json["build_ms_two_threads"] = row.build_ms_two_threads;
+        if (row.refit_ms > 0) json["refit_ms"] = row.refit_ms;
         if (row.sah_cost > 0) json["sah_cost"] = row.sah_cost;
         if (row.depth > 0) json["depth"] = row.depth;
         rows.push_back(std::move(json));

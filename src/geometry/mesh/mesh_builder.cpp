@@ -144,4 +144,26 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings&
     return data;
 }
 
+Result<bool> refit_mesh(const MeshGeometry& moved, const AcceleratorChoice& choice, MeshData& data) {
+    Result<MeshData> read = read_mesh(moved, choice);
+    if (!read) return read.error();
+    const std::vector<std::uint32_t>& order = data.structure.order;
+    if (!choice.structure->refit || read->infos.size() != order.size()) return false;
+    std::vector<kernels::Triangle> triangles;
+    triangles.reserve(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const kernels::TriangleInfo &now = read->infos[order[i]], &before = data.infos[i];
+        if (now.vertices != before.vertices || now.slot != before.slot || now.primitive != before.primitive)
+            return false;
+        triangles.push_back(read->triangles[order[i]]);
+    }
+    data.triangles = std::move(triangles);
+    data.bounds = read->bounds;
+    data.triangle_bounds = read->triangle_bounds;
+    if (!order.empty()) choice.structure->refit(data.triangles, data.structure);
+    for (std::size_t i = 0; i < data.unit_triangles.size(); ++i)
+        data.unit_triangles[i] = unit_triangle(data.triangles[i]);
+    return true;
+}
+
 }  // namespace spinel

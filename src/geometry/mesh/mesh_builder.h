@@ -58,6 +58,12 @@ Result<MeshStructureData> build_structure(std::span<const kernels::Triangle> tri
 // Both. Names of mesh_structures(), triangle_tests() and wide_presets(); empty ones mean the default.
 Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings& accelerator = {});
 
+// Moves a mesh in place of building it anew: `moved` is what `data` was built from by `choice`, with vertices at other
+// places. Hits are right whatever moved; statistics stay those of the tree as it was built. False, and nothing is
+// changed, where the mesh has to be built anew: the structure has no refit, triangles or slots are others, or one has
+// got an area that had none or lost it.
+Result<bool> refit_mesh(const MeshGeometry& moved, const AcceleratorChoice& choice, MeshData& data);
+
 // Appends a mesh, its attributes included, to pools that are named as those of a CompiledScene.
 template <class Pools>
 Result<kernels::Mesh> append_mesh(Pools& out, const MeshGeometry& mesh, const MeshData& data) {

@@ -7,6 +7,7 @@
 #include "accel/grid_builder.h"
 #include "accel/kd_builder.h"
 #include "accel/sphere_builder.h"
+#include "accel/wide_refit.h"
 #include "geometry/mesh/triangle_clip.h"
 #include "geometry/mesh/wide_mesh.h"
 #include "geometry/voxels/triangle_cells.h"
@@ -52,6 +53,10 @@ Result<void> build_stackless(const MeshInput& input, MeshArrays& arrays, MeshSta
 template <BvhMethod method>
 Result<void> build_bvh2(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
     return take(build_bvh(boxes_of(input.triangles), {.method = method}), arrays, statistics);
+}
+
+void refit_bvh2(std::span<const kernels::Triangle> triangles, MeshArrays& arrays) {
+    refit_bvh(arrays.nodes, boxes_of(triangles));
 }
 
 Result<void> build_spheres(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics) {
@@ -131,19 +136,24 @@ Result<void> build_wide(const MeshInput& input, MeshArrays& arrays, MeshStatisti
     return {};
 }
 
+void refit_wide(std::span<const kernels::Triangle> triangles, MeshArrays& arrays) {
+    refit_wide_bvh(arrays.wide_units, triangles);
+}
+
 constexpr MeshStructure structures[] = {
     {"wide-bvh8", "BVH of eight children, spatial splits where boxes overlap much; AVX2 on CPUs",
-     build_wide<build_wide_mesh, std::size_t(1) << 28>, kernels::MESH_WALK_WIDE, true},
+     build_wide<build_wide_mesh, std::size_t(1) << 28>, kernels::MESH_WALK_WIDE, true, refit_wide},
     {"wide-bvh8-compact", "the same in half the memory: boxes in bytes, vertices shared within leaves; AVX2 on CPUs",
      build_wide<build_compact_mesh, std::size_t(1) << 27>, kernels::MESH_WALK_COMPACT, true},
     {"bvh2", "binary BVH by binned surface area heuristic, stack walk", build_bvh2<BvhMethod::binned>,
-     kernels::MESH_WALK_BVH2},
+     kernels::MESH_WALK_BVH2, false, refit_bvh2},
     {"bvh2-sweep", "binary BVH by surface area heuristic at every plane", build_bvh2<BvhMethod::sweep>,
-     kernels::MESH_WALK_BVH2},
+     kernels::MESH_WALK_BVH2, false, refit_bvh2},
     {"bvh2-reinsertion",
      "the tree of bvh2, its nodes moved to where they cost the least: for long renders of interiors",
-     build_bvh2<BvhMethod::reinsertion>, kernels::MESH_WALK_BVH2},
-    {"bvh2-median", "binary BVH that halves by number", build_bvh2<BvhMethod::median>, kernels::MESH_WALK_BVH2},
+     build_bvh2<BvhMethod::reinsertion>, kernels::MESH_WALK_BVH2, false, refit_bvh2},
+    {"bvh2-median", "binary BVH that halves by number", build_bvh2<BvhMethod::median>, kernels::MESH_WALK_BVH2, false,
+     refit_bvh2},
     {"bvh2-stackless", "the tree of bvh2, walked by skip links", build_stackless, kernels::MESH_WALK_STACKLESS},
     {"kd-tree", "kd-tree by surface area heuristic over clipped triangles, 8-byte nodes", build_kd,
      kernels::MESH_WALK_KD},

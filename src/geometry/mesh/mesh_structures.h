@@ -51,6 +51,9 @@ struct MeshStructure {
     Result<void> (*build)(const MeshInput& input, MeshArrays& arrays, MeshStatistics& statistics);
     kernels::uint walk;        // MESH_WALK_…
     bool has_presets = false;  // those of wide_mesh.h
+    // Boxes anew for triangles that have moved, in the order of the structure: right whatever moved, fast as long as
+    // neighbours stay neighbours. Null: it has to be built anew.
+    void (*refit)(std::span<const kernels::Triangle> triangles, MeshArrays& arrays) = nullptr;
 };
 
 // The first is the default.
