@@ -2,8 +2,8 @@
 # given, are parsed once for the target. Never a header of the project: its change would rebuild everything, and g++
 # warns of nothing that it reads this way.
 #
-# For g++ alone. Builds with clang, clang-tidy (tools/clang-tidy.py) and check_headers do without, so a source that
-# forgets an include does not go unnoticed.
+# For g++ alone. `make lint` does without and takes every source alone (tools/clang-tidy.py, check_headers), so that one
+# that forgets an include does not go unnoticed.
 # What is in such a header is not free either: each source instantiates anew the templates that the header's inline
 # functions use, wanted or not. Over a source without a line: JSON 0.4 s, GoogleTest 0.2 s, CLI11 4 s (1 s without
 # optimising), all those below together 0.2 s. So those three are only for targets nearly all of whose sources read them.

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Runs clang-tidy on every source of src/ that changed, itself or by what it includes, since it was last found clean.
+Tests are only compiled, each alone, as builds take them in batches.
 
 Usage: tools/clang-tidy.py [JOBS]   (after `cmake --preset lint`, whose compile commands it reads)
 Version 16 at least: older ones do not know C++20's aggregates by parentheses, which the kernels use.
@@ -17,15 +18,17 @@ root = pathlib.Path(__file__).resolve().parent.parent
 build = root / "build/lint"
 
 
-def is_clean(command, source, stamp):
-    """Whether nothing that the source is made of is younger than the stamp of its last clean run."""
-    if not stamp.exists():
+def is_clean(command, stamp):
+    """Whether nothing that the source is made of is younger than its last clean run, which was of the same command."""
+    if not stamp.exists() or stamp.read_text() != command["command"]:
         return False
-    listing = subprocess.run(shlex.split(command["command"]) + ["-MM", "-MF", "-", "-o", "/dev/null"],
+    listing = subprocess.run(shlex.split(command["command"]) + ["-M", "-MF", "-", "-o", "/dev/null"],
                              cwd=command["directory"], capture_output=True, text=True)
-    files = [pathlib.Path(f) for f in listing.stdout.replace("\\\n", " ").split()[1:]]
-    clean_at = stamp.stat().st_mtime
-    return listing.returncode == 0 and all(f.stat().st_mtime <= clean_at for f in [root / ".clang-tidy", source, *files])
+    if listing.returncode != 0:
+        return False
+    _, _, files = listing.stdout.replace("\\\n", " ").partition(": ")
+    read = [root / ".clang-tidy", *(pathlib.Path(f.replace("\\ ", " ")) for f in re.split(r"(?<!\\)\s+", files.strip()))]
+    return all(f.exists() and f.stat().st_mtime <= stamp.stat().st_mtime for f in read)
 
 
 def main():
@@ -43,20 +46,25 @@ def main():
 
     def check(command):
         source = pathlib.Path(command["file"])
-        stamp = plain / source.relative_to(root / "src").with_suffix(".clean")
-        if is_clean(command, source, stamp):
+        stamp = plain / source.relative_to(root).with_suffix(".clean")
+        if is_clean(command, stamp):
             return None
-        run = subprocess.run([tidy, "-p", plain, "--quiet", "--warnings-as-errors=*", source],
-                             capture_output=True, text=True)  # stderr counts what was suppressed
-        if run.returncode != 0:
-            print(run.stdout or run.stderr, end="", flush=True)
+        if source.is_relative_to(root / "src"):
+            run = [tidy, "-p", plain, "--quiet", "--warnings-as-errors=*", source]
         else:
-            stamp.parent.mkdir(parents=True, exist_ok=True)
-            stamp.touch()
-        return run.returncode == 0
+            run = shlex.split(command["command"]) + ["-Werror", "-fsyntax-only"]
+        done = subprocess.run(run, cwd=command["directory"], capture_output=True, text=True)
+        if done.returncode != 0:
+            print(done.stdout or done.stderr, end="", flush=True)  # clang-tidy's stderr counts what was suppressed
+            return False
+        stamp.parent.mkdir(parents=True, exist_ok=True)
+        stamp.write_text(command["command"])
+        return True
 
+    due = [c for c in commands if pathlib.Path(c["file"]).is_relative_to(root / "src")
+           or pathlib.Path(c["file"]).is_relative_to(root / "tests")]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        results = list(pool.map(check, [c for c in commands if pathlib.Path(c["file"]).is_relative_to(root / "src")]))
+        results = list(pool.map(check, due))
     print(f"clang-tidy: {len(results) - results.count(None)} sources checked, {results.count(False)} with findings")
     return 1 if False in results else 0
 

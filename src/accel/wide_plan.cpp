@@ -16,9 +16,11 @@ using kernels::BvhNode;
 
 constexpr std::uint32_t width = wide_width;
 
+// Infinite for boxes beyond what floats hold, flat ones (∞ · 0) too: costs have to order.
 float half_area(const BvhNode& n) {
     const glm::vec3 e = n.upper - n.lower;
-    return e.x * e.y + e.y * e.z + e.z * e.x;
+    const float area = e.x * e.y + e.y * e.z + e.z * e.x;
+    return area >= 0 ? area : std::numeric_limits<float>::infinity();
 }
 
 // For i = 1 … 8 children a lane each, in the compilers' own vector types; arguments by reference alone, since how they
@@ -150,6 +152,7 @@ class Planner {
         choice.first = node.first;
         choice.count = node.count;
         choice.promise = area / float(node.count);
+        choice.below = n;  // of no meaning
         return area * options_.block_cost * float(leaves_.blocks(node.first, node.count));
     }
 
@@ -195,6 +198,7 @@ class Planner {
                 children[count++] = part.node;
                 continue;
             }
+            assert(left < part.slots && size + 2 <= width);
             stack[size++] = {c.below + 1, part.slots - left};
             stack[size++] = {c.below, left};
         }

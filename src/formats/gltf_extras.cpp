@@ -56,7 +56,7 @@ Result<std::string_view> json_text(const std::filesystem::path& path, std::strin
     return text;
 }
 
-vec3 color(const Json& object, const char* key, vec3 otherwise) {
+vec3 json_color(const Json& object, const char* key, vec3 otherwise) {
     const Json& value = member(object, key);
     if (!value.is_array() || value.size() != 3) return otherwise;
     vec3 result;
@@ -75,7 +75,7 @@ vec2 pair(const Json& object, const char* key, vec2 otherwise) {
     return std::isfinite(result.x) && std::isfinite(result.y) ? result : otherwise;
 }
 
-float fraction(const Json& object, const char* key) { return std::clamp(json_number(object, key, 0), 0.0f, 1.0f); }
+float json_fraction(const Json& object, const char* key) { return std::clamp(json_number(object, key, 0), 0.0f, 1.0f); }
 
 bool understood(const std::string& name) {
     return std::find(std::begin(UNDERSTOOD), std::end(UNDERSTOOD), name) != std::end(UNDERSTOOD);
@@ -106,7 +106,7 @@ GltfExtras::MaterialExtras material_extras(const Json& material) {
     extras.reflects_all = ior == 0;
     if (!extras.reflects_all) extras.ior = std::clamp(ior, 1.0f, MOST_IOR);
     if (specular.is_object()) {
-        const vec3 tint = color(specular, "specularColorFactor", vec3(1));
+        const vec3 tint = json_color(specular, "specularColorFactor", vec3(1));
         extras.specular =
             std::clamp(json_number(specular, "specularFactor", 1), 0.0f, 1.0f) * (tint.x + tint.y + tint.z) / 3;
     }
@@ -119,12 +119,12 @@ GltfExtras::MaterialExtras material_extras(const Json& material) {
     extras.emissive_strength =
         json_number(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
     extras.unlit = member(extensions, "KHR_materials_unlit").is_object();
-    extras.coat = fraction(coat, "clearcoatFactor");
-    extras.coat_roughness = fraction(coat, "clearcoatRoughnessFactor");
-    extras.transmission = fraction(transmission, "transmissionFactor");
+    extras.coat = json_fraction(coat, "clearcoatFactor");
+    extras.coat_roughness = json_fraction(coat, "clearcoatRoughnessFactor");
+    extras.transmission = json_fraction(transmission, "transmissionFactor");
     extras.thickness = std::max(json_number(volume, "thicknessFactor", 0), 0.0f);
     extras.attenuation_distance = std::max(json_number(volume, "attenuationDistance", 0), 0.0f);
-    extras.attenuation_color = color(volume, "attenuationColor", vec3(1));
+    extras.attenuation_color = json_color(volume, "attenuationColor", vec3(1));
     for (const Json* group : {&material, &member(material, "pbrMetallicRoughness"), &coat, &transmission})
         for (const char* key : {"baseColorTexture", "metallicRoughnessTexture", "normalTexture", "emissiveTexture",
                                 "clearcoatTexture", "clearcoatRoughnessTexture", "transmissionTexture"})
@@ -162,7 +162,7 @@ Result<void> check_nodes(const std::filesystem::path& path, const Json& json) {
 void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
 
 // What is in the file and does not come into the scene.
-std::vector<std::string> left_out(const Json& json) {
+std::vector<std::string> left_out_of_gltf(const Json& json) {
     std::vector<std::string> notes;
     std::string extensions;
     for (const Json& extension : member(json, "extensionsUsed"))
@@ -178,7 +178,7 @@ std::vector<std::string> left_out(const Json& json) {
             add_name(coat_normals, called);
         if (texture_place(member(material, "normalTexture")).rotation != 0) add_name(turned_normals, called);
         const Json& specular = member(used, "KHR_materials_specular");
-        const vec3 tint = color(specular, "specularColorFactor", vec3(1));
+        const vec3 tint = json_color(specular, "specularColorFactor", vec3(1));
         if (member(specular, "specularTexture").is_object() || member(specular, "specularColorTexture").is_object() ||
             tint.x != tint.y || tint.y != tint.z)
             add_name(tints, called);
@@ -225,7 +225,7 @@ Result<GltfExtras> read_gltf_extras(const std::filesystem::path& path) {
     for (const Json& camera : member(json, "cameras"))
         extras.cameras.push_back({std::max(json_number(member(camera, "perspective"), "yfov", 0.0f), 0.0f),
                                   std::max(json_number(member(camera, "orthographic"), "ymag", 0.0f), 0.0f)});
-    extras.notes = left_out(json);
+    extras.notes = left_out_of_gltf(json);
     return extras;
 }
 

@@ -59,11 +59,11 @@ Result<Scene> terrain(const std::string& name, const Heights& heights, float sca
             const bool border = x == 0 || z == 0 || x == heights.width - 1 || z == heights.depth - 1;
             const int steps = std::max(*std::max_element(sides, sides + 4) - top, top - lowest_side);
             const float fraction = (heights.at(x, z) - lowest) / relief;
-            int layer = 0;
-            while (fraction > GROUNDS[layer].top) ++layer;
-            if (float(steps) * slope > STEEP && steps > 1) layer = ROCK;
+            int ground = 0;
+            while (fraction > GROUNDS[ground].top) ++ground;
+            if (float(steps) * slope > STEEP && steps > 1) ground = ROCK;
             for (int y = border ? 0 : std::min(lowest_side, top - 1); y < top; ++y)
-                points.push_back({{x, y, z}, std::uint16_t((y == top - 1 ? layer : ROCK) + 1)});
+                points.push_back({{x, y, z}, std::uint16_t((y == top - 1 ? ground : ROCK) + 1)});
             if (points.size() > MAX_VOXELS) return Error{"its terrain has more voxels than allowed"};
         }
     Scene scene;
@@ -71,11 +71,11 @@ Result<Scene> terrain(const std::string& name, const Heights& heights, float sca
     object.name = name;
     object.geometry = 0;
     object.transform = transform;
-    for (const Ground& layer : GROUNDS) {
+    for (const Ground& ground : GROUNDS) {
         kernels::Material material = default_material(kernels::MATERIAL_DIFFUSE);
-        for (int c = 0; c < 3; ++c) material.color[c] = srgb_decoded(float(layer.rgb >> (16 - 8 * c) & 255) / 255.0f);
+        for (int c = 0; c < 3; ++c) material.color[c] = srgb_decoded(float(ground.rgb >> (16 - 8 * c) & 255) / 255.0f);
         object.materials.push_back(int(scene.materials.size()));
-        scene.materials.push_back({layer.name, material});
+        scene.materials.push_back({ground.name, material});
     }
     Result<Geometry> geometry = voxel_geometry(name, size, std::move(points));
     if (!geometry) return geometry.error();

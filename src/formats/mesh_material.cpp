@@ -21,13 +21,13 @@ std::optional<float> number_of(const aiMaterial& source, const char* key, unsign
     return value;
 }
 
-std::optional<float> fraction(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
+std::optional<float> fraction_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
     const auto value = number_of(source, key, type, index);
     return value ? std::optional(std::clamp(*value, 0.0f, 1.0f)) : std::nullopt;
 }
 
 // Not negative, finite.
-std::optional<vec4> color(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
+std::optional<vec4> color_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
     aiColor4D value(0, 0, 0, 1);
     if (source.Get(key, type, index, value) != AI_SUCCESS) return std::nullopt;
     const vec4 result(value.r, value.g, value.b, value.a);
@@ -64,7 +64,7 @@ struct Maker {
     }
 
     void emission(float strength) {
-        auto emitted = color(source, AI_MATKEY_COLOR_EMISSIVE);
+        auto emitted = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
         if (!emitted) return;
         // Many exporters write Ke 0 beside a map.
         if (!gltf && vec3(*emitted) == vec3(0.0f) && source.GetTextureCount(aiTextureType_EMISSIVE) > 0)
@@ -137,7 +137,7 @@ void make_solid_glass(Maker& maker, vec4 base, float roughness) {
 void make_opacity(Maker& maker, vec4 base) {
     aiString mode;
     if (maker.source.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) != AI_SUCCESS) {
-        maker.values.opacity = fraction(maker.source, AI_MATKEY_OPACITY).value_or(1.0f);
+        maker.values.opacity = fraction_of(maker.source, AI_MATKEY_OPACITY).value_or(1.0f);
         maker.values.opacity_texture = maker.texture({.type = aiTextureType_OPACITY, .role = TextureRole::coverage});
     } else if (mode == aiString("BLEND")) {
         maker.values.opacity = std::min(base.w, 1.0f);
@@ -152,8 +152,8 @@ void make_opacity(Maker& maker, vec4 base) {
 void make_metallic_roughness(Maker& maker) {
     const aiMaterial& source = maker.source;
     const GltfExtras::MaterialExtras& extras = maker.extras;
-    auto base = color(source, AI_MATKEY_BASE_COLOR);
-    if (!base) base = color(source, AI_MATKEY_COLOR_DIFFUSE).value_or(vec4(1.0f));
+    auto base = color_of(source, AI_MATKEY_BASE_COLOR);
+    if (!base) base = color_of(source, AI_MATKEY_COLOR_DIFFUSE).value_or(vec4(1.0f));
     if (extras.unlit) {  // a surface of its own light
         maker.begin(kernels::MATERIAL_DIFFUSE);
         maker.values.color = vec3(0.0f);
@@ -164,7 +164,7 @@ void make_metallic_roughness(Maker& maker) {
         return;
     }
     maker.normal_map();
-    const float roughness = fraction(source, AI_MATKEY_ROUGHNESS_FACTOR).value_or(1.0f);
+    const float roughness = fraction_of(source, AI_MATKEY_ROUGHNESS_FACTOR).value_or(1.0f);
     if (extras.thickness > 0 && extras.transmission >= 0.5f) {
         make_solid_glass(maker, *base, roughness);
         return;
@@ -173,16 +173,16 @@ void make_metallic_roughness(Maker& maker) {
     kernels::Material& values = maker.values;
     values.color = reflectance(*base);
     values.roughness = roughness;
-    values.metallic = fraction(source, AI_MATKEY_METALLIC_FACTOR).value_or(1.0f);
+    values.metallic = fraction_of(source, AI_MATKEY_METALLIC_FACTOR).value_or(1.0f);
     values.ior = extras.reflection_ior;
     if (extras.reflects_all) maker.note("an index of refraction of 0, which reflects all, is held to 3");
     values.color_texture = maker.color_map();
     values.roughness_texture = maker.roughness_map();
     values.metallic_texture = maker.metallic_roughness_map(aiTextureType_METALNESS);
     // An MTL has Pc and Pcr.
-    values.coat = maker.gltf ? extras.coat : fraction(source, AI_MATKEY_CLEARCOAT_FACTOR).value_or(0.0f);
+    values.coat = maker.gltf ? extras.coat : fraction_of(source, AI_MATKEY_CLEARCOAT_FACTOR).value_or(0.0f);
     values.coat_roughness =
-        maker.gltf ? extras.coat_roughness : fraction(source, AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR).value_or(0.0f);
+        maker.gltf ? extras.coat_roughness : fraction_of(source, AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR).value_or(0.0f);
     values.transmission = extras.transmission;
     if (extras.coat > 0) {
         values.coat_texture = maker.texture(
@@ -208,11 +208,11 @@ float roughness_of_exponent(float exponent) { return std::pow(2.0f / (std::max(e
 
 void make_phong(Maker& maker) {
     const aiMaterial& source = maker.source;
-    const vec4 diffuse = color(source, AI_MATKEY_COLOR_DIFFUSE).value_or(vec4(0.8f));
-    const vec4 specular = color(source, AI_MATKEY_COLOR_SPECULAR).value_or(vec4(0.0f));
+    const vec4 diffuse = color_of(source, AI_MATKEY_COLOR_DIFFUSE).value_or(vec4(0.8f));
+    const vec4 specular = color_of(source, AI_MATKEY_COLOR_SPECULAR).value_or(vec4(0.0f));
     const float exponent = number_of(source, AI_MATKEY_SHININESS).value_or(0.0f);
     const float ior = number_of(source, AI_MATKEY_REFRACTI).value_or(1.0f);
-    const float opacity = fraction(source, AI_MATKEY_OPACITY).value_or(1.0f);
+    const float opacity = fraction_of(source, AI_MATKEY_OPACITY).value_or(1.0f);
     int illumination = -1;
     source.Get(AI_MATKEY_OBJ_ILLUM, illumination);
 

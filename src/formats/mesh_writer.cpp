@@ -86,7 +86,7 @@ std::string mtl_text(const Scene& scene, const std::vector<std::string>& names) 
     return text;
 }
 
-Notes left_out(const Scene& scene) {
+Notes left_out_of_mesh(const Scene& scene) {
     LeftOut left_out;
     if (!scene.textures.empty()) left_out.add("textures");
     left_out.add_light_and_cameras(scene);
@@ -147,7 +147,7 @@ Result<Notes> save_obj(const Scene& scene, const std::filesystem::path& path) {
         if (Result<void> written = write_file_atomically(library, mtl_text(scene, names)); !written)
             return written.error();
     if (Result<void> written = write_file_atomically(path, text); !written) return written.error();
-    return left_out(scene);
+    return left_out_of_mesh(scene);
 }
 
 Result<Notes> save_ply(const Scene& scene, const std::filesystem::path& path) {
@@ -194,7 +194,7 @@ Result<Notes> save_ply(const Scene& scene, const std::filesystem::path& path) {
     bytes += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     bytes += fmt::format("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", face_count);
     if (Result<void> written = write_file_atomically(path, bytes + vertices + faces); !written) return written.error();
-    return left_out(scene);
+    return left_out_of_mesh(scene);
 }
 
 }  // namespace spinel

@@ -16,7 +16,7 @@ namespace {
 
 enum Encoding : std::int32_t { FLOATS = 1, HALVES = 2, BYTES = 3 };
 
-Result<Scene> read(std::string_view bytes, const std::string& name) {
+Result<Scene> read_mitsuba(std::string_view bytes, const std::string& name) {
     ByteReader reader(bytes);
     if (reader.take(3) != "VOL") return Error{"it is not a volume of Mitsuba"};
     if (const int version = reader.u8(); version != 3)
@@ -68,7 +68,7 @@ Result<Scene> read(std::string_view bytes, const std::string& name) {
 Result<Scene> load_mitsuba_volume(const std::filesystem::path& path, const LoadOptions&) {
     const Result<std::string> bytes = read_file_bytes(path, MAX_VOLUME_BYTES);
     if (!bytes) return bytes.error();
-    Result<Scene> scene = read(*bytes, path.stem().string());
+    Result<Scene> scene = read_mitsuba(*bytes, path.stem().string());
     return scene ? std::move(scene) : Result<Scene>(cannot_read(path, scene.error().message));
 }
 

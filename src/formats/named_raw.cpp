@@ -57,7 +57,7 @@ NamedRaw named(std::string text) {
     return found;
 }
 
-Result<Scene> read(const std::string& file, const std::string& file_name) {
+Result<Scene> read_named_raw(const std::string& file, const std::string& file_name) {
     const NamedRaw what = named(file_name);
     if (what.size.x == 0 || !what.type)
         return Error{
@@ -80,7 +80,7 @@ Result<Scene> read(const std::string& file, const std::string& file_name) {
 Result<Scene> load_named_raw(const std::filesystem::path& path, const LoadOptions&) {
     const Result<std::string> bytes = read_file_bytes(path, MAX_VOLUME_BYTES);
     if (!bytes) return bytes.error();
-    Result<Scene> scene = read(*bytes, path.filename().string());
+    Result<Scene> scene = read_named_raw(*bytes, path.filename().string());
     return scene ? std::move(scene) : Result<Scene>(cannot_read(path, scene.error().message));
 }
 

@@ -94,7 +94,7 @@ NiftiHeader header_2(const NiftiFields& f) {
     return h;
 }
 
-Result<NiftiHeader> read_header(std::string_view bytes) {
+Result<NiftiHeader> read_nifti_header(std::string_view bytes) {
     if (bytes.size() < 4) return Error{"it is not a NIfTI file"};
     for (const bool swapped : {false, true}) {
         const NiftiFields fields(bytes, swapped);
@@ -174,12 +174,12 @@ std::string unit_of(int units) {
     }
 }
 
-Result<Scene> read(const std::string& file, const std::string& name, const LoadOptions& options) {
+Result<Scene> read_nifti(const std::string& file, const std::string& name, const LoadOptions& options) {
     const bool packed = looks_deflated(file);
     const Result<std::string> start =
         packed ? inflated_start(file, HEADER_2) : Result<std::string>(file.substr(0, HEADER_2));
     if (!start) return start.error();
-    const Result<NiftiHeader> header = read_header(*start);
+    const Result<NiftiHeader> header = read_nifti_header(*start);
     if (!header) return header.error();
     const NiftiHeader& h = *header;
     const Result<SampleType> type = sample_type(h.datatype);
@@ -190,8 +190,12 @@ Result<Scene> read(const std::string& file, const std::string& name, const LoadO
     for (int i = 1; i <= h.dim[0]; ++i) {
         if (h.dim[i] < 1 || h.dim[i] > (1 << 20))
             return Error{fmt::format("its dimension {} is {}; 1 to {} are allowed", i, h.dim[i], 1 << 20)};
-        if (i <= 3) size[i - 1] = int(h.dim[i]);
-        else if ((volumes *= std::uint64_t(h.dim[i])) > MAX_VOLUME_SAMPLES) return Error{"it has too many volumes"};
+        if (i <= 3) {
+            size[i - 1] = int(h.dim[i]);
+            continue;
+        }
+        volumes *= std::uint64_t(h.dim[i]);
+        if (volumes > MAX_VOLUME_SAMPLES) return Error{"it has too many volumes"};
     }
     const auto volume_bytes = bytes_of_samples(size, *type);
     if (!volume_bytes)
@@ -234,7 +238,7 @@ Result<Scene> load_nifti(const std::filesystem::path& path, const LoadOptions& o
     if (!bytes) return bytes.error();
     std::string name = path.stem().string();
     if (name.ends_with(".nii")) name.resize(name.size() - 4);
-    Result<Scene> scene = read(*bytes, name, options);
+    Result<Scene> scene = read_nifti(*bytes, name, options);
     return scene ? std::move(scene) : Result<Scene>(cannot_read(path, scene.error().message));
 }
 

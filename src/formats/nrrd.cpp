@@ -17,7 +17,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr std::size_t MAX_NRRD_HEADER = 1 << 16;
+constexpr std::size_t MAX_SCAN_HEADER = 1 << 16;
 
 // What either format says of its samples.
 struct Scan {
@@ -146,9 +146,9 @@ std::optional<SampleType> nrrd_type(std::string_view name) {
     return found == types.end() ? std::nullopt : std::optional(found->second);
 }
 
-using NrrdFields = std::map<std::string, std::string, std::less<>>;
+using ScanFields = std::map<std::string, std::string, std::less<>>;
 
-Result<Scan> nrrd_scan(const NrrdFields& fields, bool detached) {
+Result<Scan> nrrd_scan(const ScanFields& fields, bool detached) {
     const auto field = [&](std::string_view name) -> std::string_view {
         const auto found = fields.find(name);
         return found == fields.end() ? std::string_view() : std::string_view(found->second);
@@ -242,13 +242,13 @@ Result<Scan> nrrd_scan(const NrrdFields& fields, bool detached) {
 
 Result<Scene> read_nrrd(const std::filesystem::path& path, std::string_view bytes) {
     if (!bytes.starts_with("NRRD000")) return Error{"it is not a NRRD file"};
-    NrrdFields fields;
+    ScanFields fields;
     std::size_t at = 0;
     for (int number = 1;; ++number) {
-        const std::size_t end = bytes.substr(0, MAX_NRRD_HEADER).find('\n', at);
+        const std::size_t end = bytes.substr(0, MAX_SCAN_HEADER).find('\n', at);
         const std::string_view line = trimmed(bytes.substr(at, end == bytes.npos ? bytes.npos : end - at));
         at = end == bytes.npos ? bytes.size() : end + 1;
-        if (line.empty() || (end == bytes.npos && at > MAX_NRRD_HEADER)) break;
+        if (line.empty() || (end == bytes.npos && at > MAX_SCAN_HEADER)) break;
         if (number > 1 && line[0] != '#' && line.find(":=") == line.npos) {
             const auto colon = line.find(':');
             if (colon == line.npos) return Error{fmt::format("line {} of its header has no ':'", number)};
@@ -276,10 +276,10 @@ std::optional<SampleType> metaimage_type(std::string_view name) {
 }
 
 Result<Scene> read_metaimage(const std::filesystem::path& path, std::string_view bytes) {
-    NrrdFields fields;
+    ScanFields fields;
     std::size_t at = 0;
     while (!fields.contains("ElementDataFile")) {
-        const std::size_t end = bytes.substr(0, MAX_NRRD_HEADER).find('\n', at);
+        const std::size_t end = bytes.substr(0, MAX_SCAN_HEADER).find('\n', at);
         if (end == bytes.npos) return Error{"its header names no ElementDataFile"};
         const std::string_view line = bytes.substr(at, end - at);
         at = end + 1;
@@ -339,7 +339,7 @@ Result<Scene> read_metaimage(const std::filesystem::path& path, std::string_view
 }
 
 template <class Read>
-Result<Scene> load_header(const std::filesystem::path& path, Read read) {
+Result<Scene> load_scan(const std::filesystem::path& path, Read read) {
     const Result<std::string> bytes = read_file_bytes(path, MAX_VOLUME_BYTES);
     if (!bytes) return bytes.error();
     Result<Scene> scene = read(path, std::string_view(*bytes));
@@ -348,9 +348,9 @@ Result<Scene> load_header(const std::filesystem::path& path, Read read) {
 
 }  // namespace
 
-Result<Scene> load_nrrd(const std::filesystem::path& path, const LoadOptions&) { return load_header(path, read_nrrd); }
+Result<Scene> load_nrrd(const std::filesystem::path& path, const LoadOptions&) { return load_scan(path, read_nrrd); }
 Result<Scene> load_metaimage(const std::filesystem::path& path, const LoadOptions&) {
-    return load_header(path, read_metaimage);
+    return load_scan(path, read_metaimage);
 }
 
 }  // namespace spinel

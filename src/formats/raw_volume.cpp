@@ -89,7 +89,7 @@ std::optional<std::string> read_line(const std::string& key, std::string_view re
 }
 
 // Reads up to the empty line, where the stream then stands.
-Result<RawHeader> read_header(const std::filesystem::path& path, std::istream& file) {
+Result<RawHeader> read_raw_header(const std::filesystem::path& path, std::istream& file) {
     RawHeader header;
     std::string block(MAX_RAW_HEADER, '\0');
     file.read(block.data(), std::streamsize(MAX_RAW_HEADER));
@@ -167,7 +167,7 @@ Result<Scene> load_svol(const std::filesystem::path& path, const LoadOptions&) {
     if (!std::filesystem::is_regular_file(path, error)) return cannot_read(path, "there is no such file");
     std::ifstream file(path, std::ios::binary);
     if (!file) return cannot_read(path, "the file cannot be opened");
-    const Result<RawHeader> header = read_header(path, file);
+    const Result<RawHeader> header = read_raw_header(path, file);
     if (!header) return header.error();
 
     // The size is believed only once the file has as many bytes.

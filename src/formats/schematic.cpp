@@ -46,7 +46,7 @@ Complaint check_size(ivec3 size) {
 std::size_t cells_of(ivec3 size) { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
 
 // Cell i of a box, x fastest, then z, then y.
-ivec3 cell_of(std::size_t i, ivec3 size) {
+ivec3 cell_in_box(std::size_t i, ivec3 size) {
     const std::size_t x = std::size_t(size.x), z = std::size_t(size.z);
     return {int(i % x), int(i / x / z), int(i / x % z)};
 }
@@ -96,7 +96,7 @@ Complaint fill_sponge(const nbt::Tag& root, BlockScene& blocks) {
         if (!reader.ok()) return "its block data ends early";
         if (index >= states.size() || !states[index])
             return "a block refers to palette entry " + std::to_string(index) + ", which is not there";
-        if (!blocks.place(cell_of(i, size), *states[index])) return TOO_MANY;
+        if (!blocks.place(cell_in_box(i, size), *states[index])) return TOO_MANY;
     }
     return {};
 }
@@ -130,7 +130,7 @@ Complaint fill_mcedit(const nbt::Tag& root, BlockScene& blocks) {
         const auto named = foreign.find(id);
         const std::uint32_t state =
             named != foreign.end() ? named->second : blocks.legacy_state(id, data ? data->bytes[i] & 15 : 0);
-        if (!blocks.place(cell_of(i, size), state)) return TOO_MANY;
+        if (!blocks.place(cell_in_box(i, size), state)) return TOO_MANY;
     }
     return {};
 }
@@ -179,7 +179,7 @@ Complaint fill_litematic(const nbt::Tag& root, BlockScene& blocks) {
             if (index >= states->size())
                 return where + "a block refers to palette entry " + std::to_string(index) + " of " +
                        std::to_string(states->size());
-            if (!blocks.place(origin + cell_of(i, size), (*states)[index])) return TOO_MANY;
+            if (!blocks.place(origin + cell_in_box(i, size), (*states)[index])) return TOO_MANY;
         }
     }
     return {};

@@ -12,7 +12,7 @@ namespace {
 
 using Properties = Dictionary;
 
-float fraction(const Properties& properties, const char* key, float otherwise) {
+float vox_fraction(const Properties& properties, const char* key, float otherwise) {
     return std::clamp(number(properties, key, otherwise), 0.0f, 1.0f);
 }
 
@@ -71,7 +71,7 @@ Appearance glass(const Properties& properties, vec3 color, float transparency) {
     Appearance result;
     result.material = default_material(kernels::MATERIAL_DIELECTRIC);
     result.material.ior = index_of_refraction(properties);
-    result.material.roughness = fraction(properties, "_rough", 0.0f);
+    result.material.roughness = vox_fraction(properties, "_rough", 0.0f);
     if (number(properties, "_media", 0.0f) > 0.0f) result.medium = inner_medium(properties, color);
     else result.material.absorption = glass_absorption(properties, color, transparency);
     return result;
@@ -83,7 +83,7 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Dictionary
     vec3 color;
     for (int c = 0; c < 3; ++c) color[c] = srgb_decoded(float(bytes[std::size_t(c)]) / 255.0f);
     const std::string type = word(properties, "_type");
-    const float weight = fraction(properties, "_weight", 1.0f);  // how much of the type, before version 0.99.5
+    const float weight = vox_fraction(properties, "_weight", 1.0f);  // how much of the type, before version 0.99.5
 
     Appearance result;
     if (type == "_media" || type == "_cloud") {
@@ -91,7 +91,7 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Dictionary
         result.medium = inner_medium(properties, color);
         return result;
     }
-    const float transparency = fraction(properties, "_trans", fraction(properties, "_alpha", 0.0f));
+    const float transparency = vox_fraction(properties, "_trans", vox_fraction(properties, "_alpha", 0.0f));
     if (type == "_glass") {
         const bool told = properties.count("_trans") || properties.count("_alpha");
         return glass(properties, color, told ? transparency : weight);
@@ -99,9 +99,9 @@ Appearance appearance(const std::array<std::uint8_t, 4>& bytes, const Dictionary
     // A blend is one of its parts where that part is the greater.
     if (type == "_blend" && transparency >= 0.5f) return glass(properties, color, transparency);
 
-    const float roughness = fraction(properties, "_rough", 0.1f);
+    const float roughness = vox_fraction(properties, "_rough", 0.1f);
     if (type == "_metal" || (type == "_blend" && number(properties, "_metal", 0.0f) > 0.0f)) {
-        const float metallic = fraction(properties, "_metal", weight);
+        const float metallic = vox_fraction(properties, "_metal", weight);
         const bool coated = number(properties, "_plastic", 0.0f) > 0.0f;
         result.material = default_material(coated             ? kernels::MATERIAL_PLASTIC
                                            : metallic > 0.99f ? kernels::MATERIAL_METAL

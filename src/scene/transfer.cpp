@@ -208,8 +208,9 @@ TransferTable transfer_table(const std::vector<TransferPoint>& points, float lay
         if (i > 0) sum += 0.5 * (before + entry);
         before = entry;
         for (int k = 0; k < 4; ++k) {
-            table.values[std::size_t(4 * i + k)] = float(entry[k]);
-            table.values[std::size_t(4 * (transfer_size + i) + k)] = float(sum[k]);
+            const std::size_t at = 4 * std::size_t(i) + std::size_t(k);
+            table.values[at] = float(entry[k]);
+            table.values[4 * std::size_t(transfer_size) + at] = float(sum[k]);
         }
     }
     return table;

@@ -110,6 +110,25 @@ TEST(GrainBvh, the_tree_does_not_depend_on_the_number_of_threads) {
     }
 }
 
+// More boxes than are counted together; some of no use, in the first and third part of them.
+TEST(GrainBvh, boxes_of_no_use_are_left_out_wherever_they_stand) {
+    std::vector<Box> boxes = random_boxes(200000, 9);
+    std::size_t usable = boxes.size();
+    for (std::size_t i = 0; i < boxes.size(); i += 7) {
+        if (i / 65536 % 2 == 1) continue;
+        boxes[i].lower.y = i % 2 == 0 ? std::nanf("") : std::numeric_limits<float>::infinity();
+        --usable;
+    }
+    MortonGrains first;
+    for (const int threads : {1, 5}) {
+        const ThreadLimit limit(threads);
+        check_grains(build_grain_bvh(boxes), boxes, usable, 4);
+        const MortonGrains grains = morton_grains(boxes, 32);
+        if (threads == 1) first = grains;
+        EXPECT_EQ(grains.order, first.order);
+    }
+}
+
 TEST(GrainBvh, costs_little_more_than_the_heuristic_over_all_boxes_and_much_less_than_halving) {
     // Dense in the middle, sparse around it.
     std::vector<Box> boxes = random_boxes(20000, 3);

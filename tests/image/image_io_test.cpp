@@ -7,10 +7,6 @@
 #include <fstream>
 #include <iterator>
 
-#ifndef SPINEL_SOURCE_DIR
-#define SPINEL_SOURCE_DIR "."
-#endif
-
 namespace spinel::image_io_test {
 namespace {
 

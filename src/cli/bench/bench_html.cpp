@@ -156,19 +156,21 @@ Result<std::string> heat_png(const HeatMap& map, double most) {
 }
 
 std::string table(const BenchReport& report) {
-    std::string html =
-        "<table><tr><th>structure</th><th>rays</th><th>Mrays/s</th><th>build ms, 1 thread</th><th>2 threads</th>"
-        "<th>refit ms</th><th>MB</th><th>expected "
-        "cost</th><th>depth</th><th>nodes</th><th>boxes</th><th>tests</th></tr>\n";
+    const auto line = [](const char* tag, std::initializer_list<std::string> cells) {
+        std::string html = "<tr>";
+        for (const std::string& cell : cells) html += fmt::format("<{0}>{1}</{0}>", tag, cell);
+        return html + "</tr>\n";
+    };
+    std::string html = "<table>";
+    html += line("th", {"structure", "rays", "Mrays/s", "build ms, 1 thread", "2 threads", "refit ms", "MB",
+                        "expected cost", "depth", "nodes", "boxes", "tests"});
     const auto known = [](double x) { return x > 0 ? short_number(x) : std::string("–"); };
     for (const BenchRow& row : report.rows)
-        html += fmt::format(
-            "<tr><td>{}</td><td>{}</td><td>{:.2f}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{}</"
-            "td><td>{}</td>"
-            "<td>{}</td><td>{}</td><td>{}</td></tr>\n",
-            escaped(row.subject + ": " + name_of(row)), row.rays, row.mrays_per_s, known(row.build_ms),
-            known(row.build_ms_two_threads), known(row.refit_ms), 1e-6 * row.bytes, known(row.sah_cost),
-            known(row.depth), known(row.nodes_per_ray), known(row.boxes_per_ray), known(row.tests_per_ray));
+        html +=
+            line("td", {escaped(row.subject + ": " + name_of(row)), row.rays, fmt::format("{:.2f}", row.mrays_per_s),
+                        known(row.build_ms), known(row.build_ms_two_threads), known(row.refit_ms),
+                        fmt::format("{:.2f}", 1e-6 * row.bytes), known(row.sah_cost), known(row.depth),
+                        known(row.nodes_per_ray), known(row.boxes_per_ray), known(row.tests_per_ray)});
     return html + "</table>\n";
 }
 

@@ -24,7 +24,7 @@ struct BenchStructure {
     std::size_t stride = 1;                                                      // slow ones take every so many groups
     // Of structures of meshes:
     double build_ms_two_threads = 0;  // 0: not measured
-    double refit_ms = 0;              // one thread; 0: it has to be built anew
+    double refit_ms = 0;              // of the structure alone, one thread; 0: it has to be built anew
     double sah_cost = 0;  // what a ray that meets the bounds is expected to cost, in triangle tests; 0: unknown
     std::uint32_t depth = 0;
     std::string preset = {};                                                      // of the builder, if it has several

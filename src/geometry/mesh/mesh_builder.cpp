@@ -149,6 +149,7 @@ Result<bool> refit_mesh(const MeshGeometry& moved, const AcceleratorChoice& choi
     if (!read) return read.error();
     const std::vector<std::uint32_t>& order = data.structure.order;
     if (!choice.structure->refit || read->infos.size() != order.size()) return false;
+    if (choice.structure->walk != data.walk || choice.test->test != data.triangle_test) return false;
     std::vector<kernels::Triangle> triangles;
     triangles.reserve(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) {

@@ -60,8 +60,8 @@ Result<MeshData> build_mesh(const MeshGeometry& mesh, const AcceleratorSettings&
 
 // Moves a mesh in place of building it anew: `moved` is what `data` was built from by `choice`, with vertices at other
 // places. Hits are right whatever moved; statistics stay those of the tree as it was built. False, and nothing is
-// changed, where the mesh has to be built anew: the structure has no refit, triangles or slots are others, or one has
-// got an area that had none or lost it.
+// changed, where the mesh has to be built anew: the structure has no refit or is another, triangles or slots are
+// others, or one has got an area that had none or lost it.
 Result<bool> refit_mesh(const MeshGeometry& moved, const AcceleratorChoice& choice, MeshData& data);
 
 // Appends a mesh, its attributes included, to pools that are named as those of a CompiledScene.
