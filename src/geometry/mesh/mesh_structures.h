@@ -1,9 +1,10 @@
 #pragma once
 // The acceleration structures that a mesh can be built into, and the tests of rays against its triangles: two tables.
 //
-// To add a structure: a build function and its row here; if it is walked in a way of its own, a constant MESH_WALK_… in
-// kernels/scene_view.h, the walk in a header of its own and its case in kernels/mesh.h. Scene files, `spinel trace`,
-// `bench` and `list`, error messages and the tests against brute force take it from the table.
+// To add a structure: a build function and its row here, with a refit function if boxes can follow vertices; if it is
+// walked in a way of its own, a constant MESH_WALK_… in kernels/scene_view.h, the walk in a header of its own and its
+// case in kernels/mesh.h. Scene files, `spinel trace`, `bench` and `list`, error messages and the tests against brute
+// force take it from the table.
 
 #include <cstdint>
 #include <span>
