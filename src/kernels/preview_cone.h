@@ -181,7 +181,9 @@ FN vec3 cone_shaded(const_in(SceneView) scene, const_in(PreviewView) view, inout
         vec3 sky = vec3(0.0f);
         for (uint i = 0u; i < 6u; ++i) {
             // Six parts of the hemisphere of equal weight under the cosine.
-            vec2 part = vec2((float(i % 3u) + u.x) * (1.0f / 3.0f), (float(i / 3u) + u.y) * 0.5f);
+            uint column = i % 3u;
+            uint row = i / 3u;
+            vec2 part = vec2((float(column) + u.x) * (1.0f / 3.0f), (float(row) + u.y) * 0.5f);
             vec3 direction = normalize(to_world(view.frame, square_to_cosine_hemisphere(part)));
             if (dot(direction, n) > 0.0f)
                 sky += cone_radiance(scene, origin, direction, CONE_DIFFUSE_TAN, rng, bound_reached);

@@ -19,7 +19,8 @@ const uint MAX_PREVIEW_LAYERS = 256u;  // glass, cut-out parts and boundaries of
 
 struct PreviewView {
     bool found;  // false: nothing is there but the sky
-    Ray ray;     // the last piece of the way
+    bool bound_reached;
+    Ray ray;  // the last piece of the way
     Hit hit;
     Surface surface;
     Frame frame;  // of shading, z towards the viewer
@@ -27,8 +28,7 @@ struct PreviewView {
     float distance;    // from the camera
     vec3 transmitted;  // by what was looked through
     vec3 before;       // radiance that came from it
-    bool bound_reached;
-    Ray first;  // the whole way
+    Ray first;         // the whole way
 };
 
 FN vec3 preview_sky(const_in(SceneView) scene, vec3 direction) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -27,6 +27,11 @@ using kernels::PixelSample;
 constexpr std::uint32_t path_integrator = 0;
 constexpr std::uint32_t single_scatter_integrator = 5;
 constexpr std::uint32_t dvr_integrator = 6;
+
+bool same_bits(const kernels::MarchSettings& a, const kernels::MarchSettings& b) {
+    using Bits = std::array<std::uint32_t, sizeof a / sizeof(std::uint32_t)>;
+    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
 
 struct PixelIndex {
     glm::uvec2 pixel;
@@ -86,7 +91,7 @@ class CpuDevice : public Device {
     void prepare(const RenderPass& pass) {
         const kernels::MarchSettings& march = pass.settings.march;
         if (pass.integrator == single_scatter_integrator && march.shortcuts &&
-            (!march_ || std::memcmp(&march_->settings(), &march, sizeof march) != 0))
+            (!march_ || !same_bits(march_->settings(), march)))
             march_ = std::make_unique<MarchShortcuts>(*scene_, march);
     }
 

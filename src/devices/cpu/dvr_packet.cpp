@@ -69,10 +69,10 @@ class Pieces {
     }
 
   private:
-    const float* table_;
-    int size_;
     Float8 x_ = splat(0.0f);
     Float8 rows_[4];
+    const float* table_;
+    int size_;
     bool known_ = false;
 };
 
@@ -173,8 +173,8 @@ DvrPackets::Rays DvrPackets::begin(const RayLanes& rays, Float8 start, Float8 en
         const Float8 inverse = 1.0f / (still ? splat(1.0f) : rate);
         const Float8 t0 = (lower - from) * inverse, t1 = (upper - from) * inverse;
         r.span_begin = still ? r.span_begin : maximum(r.span_begin, minimum(t0, t1));
-        r.span_end = still ? ((from < lower) | (from > upper) ? splat(-1.0f) : r.span_end)
-                           : minimum(r.span_end, maximum(t0, t1));
+        const Int8 outside = (from < lower) | (from > upper);
+        r.span_end = still ? (outside ? splat(-1.0f) : r.span_end) : minimum(r.span_end, maximum(t0, t1));
     };
     const vec3 lower = settings_.clip_lower, upper = settings_.clip_upper;
     between(r.index.origin.x, r.index.direction.x, lower.x, upper.x);

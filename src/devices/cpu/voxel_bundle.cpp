@@ -106,12 +106,12 @@ bool gather(const VoxelGrid& grid, std::span<const Ray> rays, Bundle& b) {
     };
     for (int i = 0; i < b.count; ++i) {
         VoxelPacket& p = b.packets[i];
-        p.rays = &rays[std::size_t(i * packet_size)];
+        p.rays = &rays[std::size_t(i) * packet_size];
         p.ray = ray_columns(p.rays);
-        // The next bundle most likely follows.
+        // The next bundle most likely follows; if not, no pointer may point there.
         const auto next = reinterpret_cast<std::uintptr_t>(p.rays) + bundle_packets * packet_size * sizeof(Ray);
         for (std::size_t at = 0; at < packet_size * sizeof(Ray); at += cache_line)
-            _mm_prefetch(reinterpret_cast<const char*>(next + at), _MM_HINT_T0);
+            _mm_prefetch(reinterpret_cast<const char*>(next + at), _MM_HINT_T0);  // NOLINT(performance-no-int-to-ptr)
         for (int a = 0; a < 3; ++a) {
             const __m256 o = p.ray.origin[a], d = p.ray.direction[a];
             no_number = _mm256_or_ps(no_number, _mm256_cmp_ps(o, d, _CMP_UNORD_Q));
