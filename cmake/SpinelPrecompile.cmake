@@ -6,7 +6,7 @@
 # that forgets an include does not go unnoticed.
 # What is in such a header is not free either: each source instantiates anew the templates that the header's inline
 # functions use, wanted or not. Over a source without a line: JSON 0.4 s, GoogleTest 0.2 s, CLI11 4 s (1 s without
-# optimising), all those below together 0.2 s. So those three are only for targets nearly all of whose sources read them.
+# optimising), all those below together 0.2 s. So GoogleTest is for tests alone, and the others stay with who reads them.
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()

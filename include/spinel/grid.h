@@ -58,8 +58,10 @@ class GridSamples {
 using GridPointer = std::shared_ptr<const GridSamples>;
 
 // Fills a brick, whose first sample is `lower`: sample (i,j,k) of channel c belongs into [i + 8·(j + 8·k) + 512·c].
-// What lies beyond the size need not be filled. Called from several threads at once.
-using BrickFiller = std::function<void(ivec3 lower, std::span<float> samples)>;
+// What lies beyond the size need not be filled. Called from several threads at once. Returns 0; or, where the brick and
+// maybe others behind it along x are of one value in each channel, and that stands in the first sample, how many they
+// are.
+using BrickFiller = std::function<int(ivec3 lower, std::span<float> samples)>;
 
 // An error says what is wrong with the samples: "has a size of zero", "has a sample that is not finite", …
 Result<GridPointer> build_grid(ivec3 size, int channels, const BrickFiller& fill);

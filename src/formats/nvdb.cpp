@@ -183,8 +183,9 @@ class Reader {
         const ivec3 origin = (tree.lower() - 1) & ~7;
         const ivec3 size = tree.upper() - origin + 2;
         const bool level_set = grid.mGridClass == nanovdb::GridClass::LevelSet && channels == 1;
-        Result<GridPointer> samples = build_grid(
-            size, channels, [&](ivec3 lower, std::span<float> brick) { tree.fill(origin + lower, channels, brick); });
+        Result<GridPointer> samples = build_grid(size, channels, [&](ivec3 lower, std::span<float> brick) {
+            return tree.fill(origin + lower, channels, brick);
+        });
         if (!samples) return refused(samples.error().message);
         Grid read;
         read.name = name;

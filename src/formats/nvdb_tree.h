@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "spinel/grid.h"
 
@@ -59,8 +60,8 @@ class NanoTree {
     ivec3 upper() const { return upper_; }  // the last active voxel
     Value background() const { return background_; }
 
-    // The brick whose first voxel is `first`, a multiple of 8.
-    void fill(ivec3 first, int channels, std::span<float> samples) const {
+    // As a BrickFiller: the brick whose first voxel is `first`, a multiple of 8.
+    int fill(ivec3 first, int channels, std::span<float> samples) const {
         constexpr auto volume = GridSamples::brick_volume;
         const auto brick = bricks_.find(key(first, 3));
         if (brick != bricks_.end() && brick->second.leaf) {
@@ -70,13 +71,14 @@ class NanoTree {
                 for (int c = 0; c < channels; ++c)
                     samples[std::size_t(c) * volume + (x | y << 3 | z << 6)] = nano_component(value, c);
             }
-            return;
+            return 0;
         }
         Value value = background_;
         if (brick != bricks_.end()) value = brick->second.value;
         else if (const auto tile = tiles_.find(key(first, 7)); tile != tiles_.end()) value = tile->second;
-        for (int c = 0; c < channels; ++c)
-            std::fill_n(samples.begin() + std::ptrdiff_t(std::size_t(c) * volume), volume, nano_component(value, c));
+        for (int c = 0; c < channels; ++c) samples[std::size_t(c) * volume] = nano_component(value, c);
+        // Where no node divides 128 voxels, they are alike.
+        return divided_.contains(key(first, 7)) ? 1 : 16 - (first.x >> 3 & 15);
     }
 
   private:
@@ -137,6 +139,7 @@ class NanoTree {
         const std::size_t place = moved(parent, offset);
         const auto* node = at<Lower>(place);
         if (!node || !take()) return false;
+        divided_.insert(key(vec(origin), 7));
         for (std::uint32_t i = 0; i < LowerNode::SIZE; ++i) {
             const Coord local = LowerNode::OffsetToLocalCoord(i);
             const ivec3 here(origin[0] + (local[0] << 3), origin[1] + (local[1] << 3), origin[2] + (local[2] << 3));
@@ -173,6 +176,7 @@ class NanoTree {
     ivec3 lower_ = ivec3(1 << 30), upper_ = ivec3(-(1 << 30));
     std::unordered_map<std::uint64_t, Brick> bricks_;
     std::unordered_map<std::uint64_t, Value> tiles_;
+    std::unordered_set<std::uint64_t> divided_;  // places of tiles that nodes take
 };
 
 }  // namespace spinel

@@ -39,11 +39,13 @@ BrickFiller bricks_of(const GridType& grid, Coord origin, int channels) {
                     samples[std::size_t(c) * volume + i] =
                         component(leaf->getValue(openvdb::Index(x << 6 | y << 3 | z)), c);
                 }
-            return;
+            return 0;
         }
         const auto value = grid.tree().getValue(first);  // a tile, or the background
-        for (int c = 0; c < channels; ++c)
-            std::fill_n(samples.begin() + std::ptrdiff_t(std::size_t(c) * volume), volume, component(value, c));
+        for (int c = 0; c < channels; ++c) samples[std::size_t(c) * volume] = component(value, c);
+        constexpr int tile_edges[] = {4096, 4096, 128, 8};  // at the depths −1 (background), 0, 1, 2
+        const int edge = tile_edges[grid.tree().getValueDepth(first) + 1];
+        return (edge - (first.x() & (edge - 1))) / GridSamples::brick_edge;
     };
 }
 

@@ -8,6 +8,8 @@
 #include <nanovdb/util/GridBuilder.h>
 #include <nanovdb/util/IO.h>
 
+#include <random>
+
 #include "scene/validate.h"
 #include "test_files.h"
 
@@ -74,6 +76,38 @@ TEST_F(Nvdb, quantised_grids_and_several_in_a_file) {
     EXPECT_EQ(chosen->grids.size(), 1u);
     one.grid = "c";
     expect_refused(load_nvdb(path, one), path, "it has 'a', 'a[1]', 'b', 'b[1]'");
+}
+
+TEST_F(Nvdb, sparse_grids_of_large_boxes_are_what_nanovdb_has) {
+    nanovdb::GridBuilder<float> builder(0.125f);
+    auto accessor = builder.getAccessor();
+    accessor.setValue(Coord(-77, -90, -103), 1);
+    accessor.setValue(Coord(1900, 2000, 1700), 2);
+    for (int z = 0; z <= 40; ++z)
+        for (int y = 0; y <= 140; ++y)
+            for (int x = 0; x <= 300; ++x) accessor.setValue(Coord(x, y, z), 3);
+    const auto handle = builder.getHandle<>(1, nanovdb::Vec3d(0), "density");
+    const auto path = folder / "a.nvdb";
+    nanovdb::io::writeGrid(path.string(), handle, Codec::ZIP);
+    const Result<Scene> scene = load_nvdb(path);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const GridSamples& samples = *scene->grids.at(0).samples;
+    const glm::dmat4 to_index = glm::inverse(glm::dmat4(glm::mat4(scene->grids[0].index_to_local)));
+    const ivec3 origin(glm::floor(glm::dvec3(to_index * glm::dvec4(0, 0, 0, 1))));
+    const auto* grid = handle.grid<float>();
+    std::mt19937 random(1);
+    int different = 0;
+    for (int i = 0; i < 200000; ++i) {
+        const int reach = i % 2 == 0 ? 2000 : 320;
+        Coord place;
+        for (int axis = 0; axis < 3; ++axis) place[axis] = int(random() % std::uint32_t(reach + 77)) - 77;
+        const ivec3 sample = origin + ivec3(place[0], place[1], place[2]);
+        if (glm::any(glm::greaterThanEqual(sample, samples.size()))) continue;
+        const float expected = grid->tree().getValue(place);
+        ASSERT_EQ(samples.at(sample), expected) << place[0] << ' ' << place[1] << ' ' << place[2];
+        different += expected != 0.125f;
+    }
+    EXPECT_GT(different, 2000);
 }
 
 // Every word that leads somewhere is made to lead nowhere, one at a time: those that are 0 are tiles of empty space, of

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 
+#include <random>
+
 #include "formats/vdb.h"
 #include "scene/validate.h"
 #include "spinel/formats.h"
@@ -104,6 +106,39 @@ TEST_F(VdbVolume, several_grids_vectors_tiles_and_level_sets) {
     EXPECT_EQ(chosen->grids.size(), 1u);
     one.grid = "fire";
     expect_refused(load_vdb(path, one), path, "it has 'density', 'wind', 'density[1]'");
+}
+
+// Tiles of every depth, a box that is mostly background, and a corner that is no multiple of a tile.
+TEST_F(VdbVolume, sparse_grids_of_large_boxes_are_what_openvdb_has) {
+    openvdb::initialize();
+    auto grid = openvdb::FloatGrid::create(0.125f);
+    grid->setName("density");
+    grid->tree().setValueOn(Coord(-77, -90, -103), 1);
+    grid->tree().setValueOn(Coord(1900, 2000, 1700), 2);
+    grid->sparseFill(openvdb::CoordBBox(Coord(0), Coord(300, 200, 150)), 3.0f);
+    grid->sparseFill(openvdb::CoordBBox(Coord(1024, 5, 5), Coord(1031, 12, 12)), 4.0f);
+    const auto path = folder / "a.vdb";
+    write_vdb(path, {grid});
+    const Result<Scene> scene = load_vdb(path, {});
+    ASSERT_TRUE(scene) << scene.error().message;
+    const Grid& read = scene->grids.at(0);
+    EXPECT_LT(read.samples->stored_count(), 4000u);
+    const glm::dmat4 to_index = glm::inverse(glm::dmat4(glm::mat4(read.index_to_local)));
+    const ivec3 origin(glm::floor(glm::dvec3(to_index * glm::dvec4(0, 0, 0, 1))));
+    std::mt19937 random(1);
+    int different = 0;
+    for (int i = 0; i < 200000; ++i) {
+        // Half of them near what is filled.
+        const int reach = i % 2 == 0 ? 2000 : 320;
+        Coord place;
+        for (int axis = 0; axis < 3; ++axis) place[axis] = int(random() % std::uint32_t(reach + 77)) - 77;
+        const ivec3 sample = origin + ivec3(place.x(), place.y(), place.z());
+        if (glm::any(glm::greaterThanEqual(sample, read.samples->size()))) continue;
+        const float expected = grid->tree().getValue(place);
+        ASSERT_EQ(read.samples->at(sample), expected) << place.x() << ' ' << place.y() << ' ' << place.z();
+        different += expected != 0.125f;
+    }
+    EXPECT_GT(different, 10000);
 }
 
 openvdb::FloatGrid::Ptr level_set_of(float offset) {

@@ -83,11 +83,13 @@ TEST(Grid, samples_come_back_and_uniform_bricks_are_shared) {
     EXPECT_EQ((*grid)->minimum(), *std::min_element(values.begin(), values.end()));
     EXPECT_EQ((*grid)->maximum(), *std::max_element(values.begin(), values.end()));
 
-    const auto empty =
-        build_grid({1 << 9, 1 << 9, 1 << 8}, 1, [](ivec3, std::span<float> s) { std::fill(s.begin(), s.end(), 0.5f); });
+    const auto empty = build_grid({1 << 9, 1 << 9, 1 << 8}, 1, [](ivec3, std::span<float> s) {
+        std::fill(s.begin(), s.end(), 0.5f);
+        return 0;
+    });
     ASSERT_TRUE(empty) << empty.error().message;
     EXPECT_EQ((*empty)->stored_count(), 1u);
-    EXPECT_FALSE(build_grid({1 << 20, 1 << 20, 1 << 20}, 1, [](ivec3, std::span<float>) {}));
+    EXPECT_FALSE(build_grid({1 << 20, 1 << 20, 1 << 20}, 1, [](ivec3, std::span<float>) { return 0; }));
     EXPECT_FALSE(build_grid({0, 1, 1}, std::vector<float>{}));
     EXPECT_FALSE(build_grid({2, 1, 1}, std::vector<float>{1}));
     EXPECT_FALSE(build_grid({1, 1, 1}, std::vector<float>{NAN}));

@@ -64,6 +64,7 @@ class GridSamplesBuilder {
     }
 
   private:
+    static constexpr std::uint32_t UNIFORM = 0x80000000u;
     // What one layer of bricks stores for itself: in the table stand numbers within it, or of its uniform values.
     struct Slab {
         std::vector<float> samples;
@@ -71,22 +72,34 @@ class GridSamplesBuilder {
         float minimum = std::numeric_limits<float>::max();
         float maximum = std::numeric_limits<float>::lowest();
         bool finite = true;
+
+        std::uint32_t number_of(const std::vector<float>& values) {
+            const auto known = std::find(uniform.begin(), uniform.end(), values);
+            const auto number = std::uint32_t(known - uniform.begin());
+            if (known == uniform.end()) uniform.push_back(values);
+            return UNIFORM | number;
+        }
+        std::uint32_t store(const std::vector<float>& brick) {
+            const auto number = std::uint32_t(samples.size() / brick.size());
+            samples.insert(samples.end(), brick.begin(), brick.end());
+            return number;
+        }
     };
-    static constexpr std::uint32_t UNIFORM = 0x80000000u;
 
     void fill_slab(int z, const BrickFiller& fill, Slab& slab) {
         const ivec3 counts = grid_->brick_counts();
         const auto channels = std::size_t(grid_->channels_);
-        std::vector<float> brick(VOLUME * channels);
-        for (int y = 0; y < counts.y; ++y)
-            for (int x = 0; x < counts.x; ++x) {
+        std::vector<float> brick(VOLUME * channels), values(channels);
+        for (int y = 0; y < counts.y; ++y) {
+            std::uint32_t* const row =
+                &grid_->table_[std::size_t(counts.x) * (std::size_t(y) + std::size_t(counts.y) * std::size_t(z))];
+            for (int x = 0; x < counts.x;) {
                 const ivec3 lower = EDGE * ivec3(x, y, z);
-                fill(lower, brick);
+                const int alike = std::min(fill(lower, brick), counts.x - x);
                 bool uniform = true;
-                std::vector<float> values(channels);
                 for (std::size_t c = 0; c < channels; ++c) {
-                    const auto channel = std::span(brick).subspan(c * VOLUME, VOLUME);
-                    repeat_last(glm::min(grid_->size_ - lower, ivec3(EDGE)), channel);
+                    const auto channel = std::span(brick).subspan(c * VOLUME, alike > 0 ? 1 : VOLUME);
+                    if (alike == 0) repeat_last(glm::min(grid_->size_ - lower, ivec3(EDGE)), channel);
                     for (float& v : channel) {
                         slab.finite = slab.finite && std::isfinite(v);
                         v += 0.0f;  // −0 is 0
@@ -96,18 +109,11 @@ class GridSamplesBuilder {
                     uniform = uniform && is_uniform(channel);
                     values[c] = channel[0];
                 }
-                std::uint32_t& entry =
-                    grid_->table_[std::size_t(x) +
-                                  std::size_t(counts.x) * (std::size_t(y) + std::size_t(counts.y) * std::size_t(z))];
-                if (uniform) {
-                    const auto known = std::find(slab.uniform.begin(), slab.uniform.end(), values);
-                    entry = UNIFORM | std::uint32_t(known - slab.uniform.begin());
-                    if (known == slab.uniform.end()) slab.uniform.push_back(values);
-                } else {
-                    entry = std::uint32_t(slab.samples.size() / brick.size());
-                    slab.samples.insert(slab.samples.end(), brick.begin(), brick.end());
-                }
+                const std::uint32_t entry = uniform ? slab.number_of(values) : slab.store(brick);
+                std::fill_n(row + x, std::max(alike, 1), entry);
+                x += std::max(alike, 1);
             }
+        }
     }
 
     Result<GridPointer> gather(std::vector<Slab>& slabs, std::size_t layer) {
@@ -181,6 +187,7 @@ Result<GridPointer> build_grid(ivec3 size, std::span<const float> values, int ch
                         samples[in_brick({x, y, z}, c)] =
                             values[(row + std::size_t(x)) * std::size_t(channels) + std::size_t(c)];
             }
+        return 0;
     });
 }
 

@@ -16,6 +16,7 @@ Grid fog_of_level_set(const Grid& level_set) {
         const std::span<const float> from = distances.brick(distances.table()[entry]);
         for (std::size_t i = 0; i < from.size(); ++i)
             fog[i] = band > 0 ? std::clamp(-from[i] / band, 0.0f, 1.0f) : 0.0f;
+        return 0;
     });
     Grid fog = level_set;
     fog.samples = *samples;  // of the same size as those it is made of, and finite
