@@ -263,6 +263,22 @@ TEST(VolumeSurface, walls_of_one_layer_stop_rays_that_graze_a_floor) {
     }
 }
 
+// So long a floor that a crawl by half samples would come to the bound on steps.
+TEST(VolumeSurface, walls_at_the_far_end_of_a_very_long_floor_stop_rays_that_graze_it) {
+    const SurfaceScene scene(grid_of({15000, 20, 4},
+                                     [](ivec3 i) {
+                                         const float floor = float(i.y) - 9.0f;
+                                         return i.x >= 14980 && i.x < 14985 ? std::min(floor, -0.3f) : floor;
+                                     }),
+                             {0, true});
+    SdfRandom random(6);
+    for (int i = 0; i < 100; ++i) {
+        const vec3 o(20, 9.5f + random.uniform(1e-4f, 2e-3f), random.uniform(1, 3));
+        const float x = o.x + scene.closest(Ray(o, 0, vec3(1, 0, 0), INFINITE)).t;
+        EXPECT_TRUE(x > 14979 && x < 14981) << "ray " << i << " from height " << o.y << " hits at " << x;
+    }
+}
+
 // Values fall off slowly, so that near the box's face the grid seems nearer to its surface than the face is.
 TEST(VolumeSurface, faces_that_cut_a_solid_have_the_normals_of_the_box) {
     for (const Filter filter : {Filter::linear, Filter::cubic}) {

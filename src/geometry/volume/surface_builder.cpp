@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "core/pool.h"
+#include "kernels/sdf.h"
 #include "kernels/sdf_grid.h"
 #include "kernels/sdf_ops.h"
 
@@ -164,7 +165,9 @@ Result<SdfData> build_surface(const VolumeGeometry& volume, const kernels::Densi
     data.sdf.op_count = uint(data.ops.size());
     data.sdf.lipschitz = 1 + 1e-5f;  // evaluated in floats
     data.sdf.result = 0;
-    data.sdf.longest_crawl = 0.5f;  // half a sample's width: what is thinner may be stepped over at a grazing angle
+    // What is thinner may be stepped over at a grazing angle: half a sample, or more where a ray that crawls all the
+    // way through would come to the bound on steps.
+    data.sdf.longest_crawl = std::max(0.5f, glm::length(upper - lower) / (0.75f * float(kernels::SDF_MAX_STEPS)));
     return data;
 }
 
