@@ -22,7 +22,9 @@ def is_clean(command, stamp):
     """Whether nothing that the source is made of is younger than its last clean run, which was of the same command."""
     if not stamp.exists() or stamp.read_text() != command["command"]:
         return False
-    listing = subprocess.run(shlex.split(command["command"]) + ["-M", "-MF", "-", "-o", "/dev/null"],
+    arguments = shlex.split(command["command"])
+    output = arguments.index("-o")
+    listing = subprocess.run(arguments[:output] + arguments[output + 2:] + ["-M"],
                              cwd=command["directory"], capture_output=True, text=True)
     if listing.returncode != 0:
         return False
