@@ -8,8 +8,7 @@
 #include <nanovdb/util/GridBuilder.h>
 #include <nanovdb/util/IO.h>
 
-#include <random>
-
+#include "formats/sparse_samples.h"
 #include "scene/validate.h"
 #include "test_files.h"
 
@@ -91,22 +90,10 @@ TEST_F(Nvdb, sparse_grids_of_large_boxes_are_what_nanovdb_has) {
     nanovdb::io::writeGrid(path.string(), handle, Codec::ZIP);
     const Result<Scene> scene = load_nvdb(path);
     ASSERT_TRUE(scene) << scene.error().message;
-    const GridSamples& samples = *scene->grids.at(0).samples;
-    const glm::dmat4 to_index = glm::inverse(glm::dmat4(glm::mat4(scene->grids[0].index_to_local)));
-    const ivec3 origin(glm::floor(glm::dvec3(to_index * glm::dvec4(0, 0, 0, 1))));
     const auto* grid = handle.grid<float>();
-    std::mt19937 random(1);
-    int different = 0;
-    for (int i = 0; i < 200000; ++i) {
-        const int reach = i % 2 == 0 ? 2000 : 320;
-        Coord place;
-        for (int axis = 0; axis < 3; ++axis) place[axis] = int(random() % std::uint32_t(reach + 77)) - 77;
-        const ivec3 sample = origin + ivec3(place[0], place[1], place[2]);
-        if (glm::any(glm::greaterThanEqual(sample, samples.size()))) continue;
-        const float expected = grid->tree().getValue(place);
-        ASSERT_EQ(samples.at(sample), expected) << place[0] << ' ' << place[1] << ' ' << place[2];
-        different += expected != 0.125f;
-    }
+    const int different = test::expect_sparse_samples(scene->grids.at(0), 0.125f, [&](ivec3 place) {
+        return grid->tree().getValue(Coord(place.x, place.y, place.z));
+    });
     EXPECT_GT(different, 2000);
 }
 

@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 
-#include <random>
-
+#include "formats/sparse_samples.h"
 #include "formats/vdb.h"
 #include "scene/validate.h"
 #include "spinel/formats.h"
@@ -123,21 +122,8 @@ TEST_F(VdbVolume, sparse_grids_of_large_boxes_are_what_openvdb_has) {
     ASSERT_TRUE(scene) << scene.error().message;
     const Grid& read = scene->grids.at(0);
     EXPECT_LT(read.samples->stored_count(), 4000u);
-    const glm::dmat4 to_index = glm::inverse(glm::dmat4(glm::mat4(read.index_to_local)));
-    const ivec3 origin(glm::floor(glm::dvec3(to_index * glm::dvec4(0, 0, 0, 1))));
-    std::mt19937 random(1);
-    int different = 0;
-    for (int i = 0; i < 200000; ++i) {
-        // Half of them near what is filled.
-        const int reach = i % 2 == 0 ? 2000 : 320;
-        Coord place;
-        for (int axis = 0; axis < 3; ++axis) place[axis] = int(random() % std::uint32_t(reach + 77)) - 77;
-        const ivec3 sample = origin + ivec3(place.x(), place.y(), place.z());
-        if (glm::any(glm::greaterThanEqual(sample, read.samples->size()))) continue;
-        const float expected = grid->tree().getValue(place);
-        ASSERT_EQ(read.samples->at(sample), expected) << place.x() << ' ' << place.y() << ' ' << place.z();
-        different += expected != 0.125f;
-    }
+    const int different = test::expect_sparse_samples(
+        read, 0.125f, [&](ivec3 place) { return grid->tree().getValue(Coord(place.x, place.y, place.z)); });
     EXPECT_GT(different, 10000);
 }
 
