@@ -55,11 +55,11 @@ class Writer {
   public:
     Writer(const Bvh& binary, std::span<const kernels::Triangle> triangles, const WideBvhOptions& options)
         : binary_(binary), triangles_(triangles) {
-        plan_ = plan_wide_bvh(binary, options, {block_triangles, [this](uint first, uint count) {
-                                                    uint blocks = 0;
-                                                    pack(first, count, [&](const Block&) { ++blocks; });
-                                                    return blocks;
-                                                }});
+        plan_ = plan_wide_bvh(binary.nodes, options, {block_triangles, [this](uint first, uint count) {
+                                                          uint blocks = 0;
+                                                          pack(first, count, [&](const Block&) { ++blocks; });
+                                                          return blocks;
+                                                      }});
     }
 
     WideBvh run() {

@@ -23,33 +23,9 @@ std::array<Float4, 4> transposed(const float* a, const float* b, const float* c,
     return rows;
 }
 
-void put_reference(std::uint32_t reference, std::uint32_t child, kernels::WideUnit* units) {
-    units[6].lanes[child] = std::bit_cast<float>(reference);
-}
-
-// All of a node but the references to its children; those that are not there have empty boxes.
-void write_boxes(const Bvh& binary, const WidePlanNode& node, kernels::WideUnit* units) {
-    constexpr float inf = std::numeric_limits<float>::infinity();
-    static constexpr kernels::BvhNode nothing = {glm::vec3(inf), 0, glm::vec3(-inf), 0};
-    std::array<const kernels::BvhNode*, wide_width> boxes;
-    for (std::uint32_t i = 0; i < wide_width; ++i) {
-        boxes[i] = i < node.count ? &binary.nodes[node.children[i]] : &nothing;
-        put_reference(0, i, units);
-    }
-    for (std::size_t half = 0; half < wide_width; half += 4) {
-        const auto* const b = &boxes[half];
-        const auto lower = transposed(&b[0]->lower.x, &b[1]->lower.x, &b[2]->lower.x, &b[3]->lower.x);
-        const auto upper = transposed(&b[0]->upper.x, &b[1]->upper.x, &b[2]->upper.x, &b[3]->upper.x);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            lower[axis].store(units[2 * axis].lanes + half);
-            upper[axis].store(units[2 * axis + 1].lanes + half);
-        }
-    }
-}
-
-// Asks memory for what write_boxes() reads.
-void prefetch_children(const Bvh& binary, const WidePlanNode& node) {
-    for (std::uint32_t i = 0; i < node.count; ++i) __builtin_prefetch(&binary.nodes[node.children[i]]);
+// Asks memory for what write_wide_node() reads of them.
+void prefetch_children(std::span<const kernels::BvhNode> binary, const WidePlanNode& node) {
+    for (std::uint32_t i = 0; i < node.count; ++i) __builtin_prefetch(&binary[node.children[i]]);
 }
 
 class Writer {
@@ -95,16 +71,17 @@ class Writer {
         const WidePlanNode& node = plan_.nodes[index];
         kernels::WideUnit* const units = &out_.units[units_[index]];
         std::uint32_t block = units_[index] + kernels::WIDE_NODE_UNITS;
-        write_boxes(binary_, node, units);
+        std::array<WideChild, wide_width> children;
         for (std::uint32_t i = 0; i < node.count; ++i) {
             const std::uint32_t blocks = blocks_for(node.counts[i]);
-            put_reference(blocks > 0 ? blocks << 28 | block : units_[node.nodes[i]], i, units);
+            children[i] = {&binary_.nodes[node.children[i]], blocks > 0 ? blocks << 28 | block : units_[node.nodes[i]]};
             const auto leaf = std::span(binary_.order).subspan(node.firsts[i], node.counts[i]);
             for (std::size_t first = 0; first < leaf.size(); first += block_size, block += kernels::WIDE_BLOCK_UNITS)
                 write_wide_block(triangles_,
                                  leaf.subspan(first, std::min<std::size_t>(block_size, leaf.size() - first)),
                                  out_.units[block].lanes);
         }
+        write_wide_node(std::span(children).first(node.count), units);
     }
 
     // Asks memory for what write_node() reads: nodes and triangles are wanted in another order than they stand in.
@@ -113,7 +90,7 @@ class Writer {
             if (node.counts[i] > 0) __builtin_prefetch(&binary_.order[node.firsts[i]]);
     }
     void prefetch(const WidePlanNode& node) const {
-        prefetch_children(binary_, node);
+        prefetch_children(binary_.nodes, node);
         for (std::uint32_t i = 0; i < node.count; ++i) {
             for (std::uint32_t k = 0; k < node.counts[i]; ++k) {
                 const char* t = reinterpret_cast<const char*>(&triangles_[binary_.order[node.firsts[i] + k]]);
@@ -150,37 +127,65 @@ void write_wide_block(std::span<const kernels::Triangle> triangles, std::span<co
     }
 }
 
-WideBlocks::WideBlocks(std::size_t count) {
-    const std::size_t size = kernels::WIDE_NODE_UNITS + count * kernels::WIDE_BLOCK_UNITS;
-    // There are five to six blocks to a node. Memory that is asked for and not touched costs nothing.
-    units_.reserve(size + count / 5 * kernels::WIDE_NODE_UNITS);
-    units_.resize(size);
+void write_wide_node(std::span<const WideChild> children, kernels::WideUnit* units) {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    static constexpr kernels::BvhNode nothing = {glm::vec3(inf), 0, glm::vec3(-inf), 0};  // for those not there
+    std::array<const kernels::BvhNode*, wide_width> boxes;
+    for (std::size_t i = 0; i < wide_width; ++i) {
+        const bool there = i < children.size();
+        boxes[i] = there ? children[i].box : &nothing;
+        units[6].lanes[i] = std::bit_cast<float>(there ? children[i].reference : 0u);
+    }
+    for (std::size_t half = 0; half < wide_width; half += 4) {
+        const auto* const b = &boxes[half];
+        const auto lower = transposed(&b[0]->lower.x, &b[1]->lower.x, &b[2]->lower.x, &b[3]->lower.x);
+        const auto upper = transposed(&b[0]->upper.x, &b[1]->upper.x, &b[2]->upper.x, &b[3]->upper.x);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis].store(units[2 * axis].lanes + half);
+            upper[axis].store(units[2 * axis + 1].lanes + half);
+        }
+    }
 }
 
-WideBvh collapse_blocks(const Bvh& binary, WideBlocks blocks, const WideBvhOptions& options) {
-    const WideLeaves leaves{1, [](std::uint32_t, std::uint32_t count) { return count; }};
+WideParts::WideParts(std::size_t blocks, std::size_t ready) : first_ready_(unit_of_block(blocks)) {
+    // Memory that is asked for and not touched costs nothing.
+    units_.reserve(unit_of_ready(ready + blocks / 8));
+    units_.resize(unit_of_ready(ready));
+}
+
+WideBvh collapse_parts(std::span<const kernels::BvhNode> binary, WideParts parts, std::span<const WideReady> ready,
+                       const WideBvhOptions& options) {
+    const WideLeaves leaves{1, [](std::uint32_t, std::uint32_t count) { return count; }, ready};
     const WidePlan plan = plan_wide_bvh(binary, options, leaves);
+    // Where nodes of the plan stand: in place of those that are not there, then behind all others.
+    std::vector<std::uint32_t> units{0};
+    units.reserve(plan.nodes.size());
+    std::size_t ready_count = 0;
+    for (std::size_t r = 0; r < ready.size(); ++r) {
+        ready_count += ready[r].primitives > 0;
+        if (ready[r].primitives == 0 && units.size() < plan.nodes.size()) units.push_back(parts.unit_of_ready(r));
+    }
+    for (std::size_t next = ready.size(); units.size() < plan.nodes.size();)
+        units.push_back(parts.unit_of_ready(next++));
+    parts.units_.resize(std::max(parts.units_.size(), units.back() + std::size_t(kernels::WIDE_NODE_UNITS)));
     WideBvh out;
-    out.units = std::move(blocks.units_);
-    const std::size_t behind =
-        out.units.size() - kernels::WIDE_NODE_UNITS;  // where the root would stand, next to others
-    const auto unit_of = [&](std::size_t node) {
-        return node == 0 ? 0 : std::uint32_t(behind + node * kernels::WIDE_NODE_UNITS);
-    };
-    out.units.resize(behind + plan.nodes.size() * kernels::WIDE_NODE_UNITS);
+    out.units = std::move(parts.units_);
     parallel_for(plan.nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             if (n + 4 < end) prefetch_children(binary, plan.nodes[n + 4]);
             const WidePlanNode& node = plan.nodes[n];
-            kernels::WideUnit* const units = &out.units[unit_of(n)];
-            write_boxes(binary, node, units);
+            std::array<WideChild, wide_width> children;
             for (std::uint32_t i = 0; i < node.count; ++i) {
-                const std::uint32_t block = kernels::WIDE_NODE_UNITS + node.firsts[i] * kernels::WIDE_BLOCK_UNITS;
-                put_reference(node.counts[i] > 0 ? node.counts[i] << 28 | block : unit_of(node.nodes[i]), i, units);
+                const std::uint32_t first = node.firsts[i], count = node.counts[i];
+                children[i].box = &binary[node.children[i]];
+                children[i].reference = count == 0            ? units[node.nodes[i]]
+                                        : count == wide_ready ? parts.unit_of_ready(first)
+                                                              : WideParts::block_reference(first, count);
             }
+            write_wide_node(std::span(children).first(node.count), &out.units[units[n]]);
         }
     });
-    out.statistics = {plan.sah_cost, plan.depth, std::uint32_t(plan.nodes.size()), plan.triangle_count,
+    out.statistics = {plan.sah_cost, plan.depth, std::uint32_t(plan.nodes.size() + ready_count), plan.triangle_count,
                       plan.triangle_count};
     return out;
 }
@@ -188,7 +193,7 @@ WideBvh collapse_blocks(const Bvh& binary, WideBlocks blocks, const WideBvhOptio
 WideBvh collapse_bvh(const Bvh& binary, std::span<const kernels::Triangle> triangles, const WideBvhOptions& options) {
     if (binary.nodes.empty()) return {};
     const WideLeaves leaves{block_size, [](std::uint32_t, std::uint32_t count) { return blocks_for(count); }};
-    return Writer(binary, triangles, plan_wide_bvh(binary, options, leaves)).run();
+    return Writer(binary, triangles, plan_wide_bvh(binary.nodes, options, leaves)).run();
 }
 
 }  // namespace spinel

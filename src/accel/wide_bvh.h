@@ -36,19 +36,41 @@ constexpr std::uint32_t wide_block = 4;  // triangles in a block at most
 void write_wide_block(std::span<const kernels::Triangle> triangles, std::span<const std::uint32_t> indices,
                       float* rows);
 
-// Blocks that are written before the hierarchy over them is known.
-class WideBlocks {
+struct WideChild {
+    const kernels::BvhNode* box;
+    std::uint32_t reference;
+};
+// At most eight children, in their order.
+void write_wide_node(std::span<const WideChild> children, kernels::WideUnit* units);
+
+// What is written before the hierarchy over it is known: blocks, and nodes over blocks.
+class WideParts {
   public:
-    explicit WideBlocks(std::size_t count);
-    std::span<kernels::WideUnit> units() { return std::span(units_).subspan(kernels::WIDE_NODE_UNITS); }
+    WideParts() = default;
+    WideParts(std::size_t blocks, std::size_t ready);
+    kernels::WideUnit* block(std::size_t number) { return &units_[unit_of_block(number)]; }
+    kernels::WideUnit* ready(std::size_t number) { return &units_[unit_of_ready(number)]; }
+    static std::uint32_t block_reference(std::size_t first, std::uint32_t count) {
+        return count << 28 | unit_of_block(first);
+    }
 
   private:
-    friend WideBvh collapse_blocks(const Bvh&, WideBlocks, const WideBvhOptions&);
-    HugeVector<kernels::WideUnit> units_;  // behind the root
+    friend WideBvh collapse_parts(std::span<const kernels::BvhNode>, WideParts, std::span<const WideReady>,
+                                  const WideBvhOptions&);
+    static std::uint32_t unit_of_block(std::size_t number) {
+        return std::uint32_t(kernels::WIDE_NODE_UNITS + number * kernels::WIDE_BLOCK_UNITS);
+    }
+    std::uint32_t unit_of_ready(std::size_t number) const {
+        return std::uint32_t(first_ready_ + number * kernels::WIDE_NODE_UNITS);
+    }
+
+    std::uint32_t first_ready_ = 0;
+    HugeVector<kernels::WideUnit> units_;  // the root, blocks, nodes that are ready, others
 };
 
-// As collapse_bvh(), with `binary` over the blocks, one in each leaf, which its `first` names. Counts blocks as
-// triangles.
-WideBvh collapse_blocks(const Bvh& binary, WideBlocks blocks, const WideBvhOptions& options = {});
+// As collapse_bvh(), with `binary` over blocks, one in each leaf, which its `first` names, and over nodes that are
+// ready; those of no primitives are not there. Counts blocks as triangles.
+WideBvh collapse_parts(std::span<const kernels::BvhNode> binary, WideParts parts, std::span<const WideReady> ready,
+                       const WideBvhOptions& options = {});
 
 }  // namespace spinel

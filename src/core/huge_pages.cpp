@@ -10,15 +10,16 @@ namespace spinel {
 
 void* allocate_pages(std::size_t bytes) {
     constexpr std::size_t huge = std::size_t(1) << 21, line = 64;
-    // Below a few pages there is nothing to gain, and up to one page of address space to lose.
-    const std::size_t alignment = bytes >= 2 * huge ? huge : line;
+    // Below a page there is nothing to gain, and up to one page of address space to lose.
+    const std::size_t alignment = bytes >= huge ? huge : line;
     if (bytes > ~std::size_t(0) - alignment) throw std::bad_alloc();
     const std::size_t whole = (bytes + line - 1) / line * line;
     void* const memory = std::aligned_alloc(alignment, (whole + alignment - 1) / alignment * alignment);
     if (!memory) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-    // All but the last page: what is left of that is not worth its memory. A refusal costs speed only.
-    if (alignment == huge) madvise(memory, whole / huge * huge, MADV_HUGEPAGE);
+    // The last page too if half of it is wanted: to clear it costs less than to ask for 256 small ones. A refusal costs
+    // speed only.
+    if (alignment == huge) madvise(memory, (whole + huge / 2) / huge * huge, MADV_HUGEPAGE);
 #endif
     return memory;
 }

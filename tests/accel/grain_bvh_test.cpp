@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -191,19 +193,130 @@ std::vector<kernels::Triangle> random_triangles(std::size_t count, std::uint32_t
     return triangles;
 }
 
-TEST(WideGrains, cost_what_the_binary_tree_over_the_boxes_costs_when_it_is_collapsed) {
-    for (const std::size_t count : {1, 3, 4, 5, 8, 9, 33, 1000, 70000}) {
-        const std::vector<kernels::Triangle> triangles = random_triangles(count, 10);
-        std::vector<Box> boxes;
-        for (const kernels::Triangle& t : triangles)
-            boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
-        const WideBvh wide = build_wide_grains(triangles), collapsed = collapse_bvh(build_grain_bvh(boxes), triangles);
-        EXPECT_EQ(wide.statistics.triangle_count, count);
-        EXPECT_NEAR(wide.statistics.sah_cost, collapsed.statistics.sah_cost, 0.01 * collapsed.statistics.sah_cost);
-        EXPECT_EQ(wide.units.size(), wide.statistics.node_count * kernels::WIDE_NODE_UNITS +
-                                         wide.statistics.block_count * kernels::WIDE_BLOCK_UNITS);
+// What a walk over all of a wide hierarchy meets.
+struct Walked {
+    std::uint32_t nodes = 0, blocks = 0, depth = 0;
+    double cost = 0;          // the areas of nodes and of blocks, the root's too
+    std::vector<int> held;    // how often blocks name each triangle
+    std::size_t outside = 0;  // vertices outside of a child's box, and boxes outside of their parents'
+};
+
+void walk(const WideBvh& tree, std::uint32_t unit, const Box& box, std::uint32_t depth, Walked& out) {
+    const auto inside = [](const Box& outer, const Box& inner) {
+        return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) &&
+               glm::all(glm::lessThanEqual(inner.upper, outer.upper));
+    };
+    ++out.nodes;
+    out.depth = std::max(out.depth, depth);
+    out.cost += area_of(box.upper - box.lower);
+    for (std::uint32_t i = 0; i < wide_width; ++i) {
+        const kernels::WideUnit* const node = &tree.units[unit];
+        const auto reference = std::bit_cast<std::uint32_t>(node[6].lanes[i]);
+        if (reference == 0) continue;
+        Box child;
+        for (int axis = 0; axis < 3; ++axis) {
+            child.lower[axis] = node[2 * axis].lanes[i];
+            child.upper[axis] = node[2 * axis + 1].lanes[i];
+        }
+        out.outside += !inside(box, child);
+        const std::uint32_t blocks = reference >> 28, first = reference & 0x0fffffffu;
+        if (blocks == 0) walk(tree, first, child, depth + 1, out);
+        out.cost += area_of(child.upper - child.lower) * blocks;
+        out.blocks += blocks;
+        for (std::uint32_t b = 0; b < blocks; ++b) {
+            const float* const rows = tree.units[first + b * kernels::WIDE_BLOCK_UNITS].lanes;
+            std::vector<std::uint32_t> named;
+            for (std::uint32_t lane = 0; lane < wide_block; ++lane) {
+                named.push_back(std::bit_cast<std::uint32_t>(rows[9 * wide_block + lane]));
+                for (std::uint32_t v = 0; v < 3; ++v) {
+                    glm::vec3 p;
+                    for (std::uint32_t axis = 0; axis < 3; ++axis)
+                        p[int(axis)] = rows[(3 * v + axis) * wide_block + lane];
+                    out.outside += !inside(child, {p, p});
+                }
+            }
+            named.erase(std::unique(named.begin(), named.end()), named.end());  // the last stands in idle lanes too
+            for (const std::uint32_t triangle : named) ++out.held.at(triangle);
+        }
     }
+}
+
+std::vector<Box> boxes_of(const std::vector<kernels::Triangle>& triangles) {
+    std::vector<Box> boxes;
+    for (const kernels::Triangle& t : triangles)
+        boxes.push_back({glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))});
+    return boxes;
+}
+
+// A few large triangles among many small ones.
+std::vector<kernels::Triangle> triangles_of_all_sizes(std::size_t count, std::uint32_t seed) {
+    std::vector<kernels::Triangle> triangles = random_triangles(count, seed);
+    std::mt19937 engine(seed);
+    for (kernels::Triangle& t : triangles) {
+        const float size = std::pow(10.0f, std::uniform_real_distribution<float>(-3, 0.5f)(engine));
+        t.b = t.a + (t.b - t.a) * size;
+        t.c = t.a + (t.c - t.a) * size;
+    }
+    return triangles;
+}
+
+TEST(WideGrains, hold_every_triangle_once_inside_of_all_boxes_above_and_cost_what_they_say) {
+    for (const std::size_t count : {1, 3, 4, 5, 8, 9, 17, 32, 33, 40, 70, 1000, 70000})
+        for (const bool all_sizes : {false, true}) {
+            SCOPED_TRACE(count);
+            const std::vector<kernels::Triangle> triangles =
+                all_sizes ? triangles_of_all_sizes(count, 10) : random_triangles(count, 10);
+            Box whole = {glm::vec3(1e30f), glm::vec3(-1e30f)};
+            for (const Box& box : boxes_of(triangles))
+                whole = {glm::min(whole.lower, box.lower), glm::max(whole.upper, box.upper)};
+            const WideBvh wide = build_wide_grains(triangles);
+            Walked walked;
+            walked.held.resize(count);
+            walk(wide, 0, whole, 0, walked);
+            for (const int times : walked.held) ASSERT_EQ(times, 1);
+            EXPECT_EQ(walked.outside, 0u);
+            EXPECT_EQ(walked.nodes, wide.statistics.node_count);
+            EXPECT_EQ(walked.blocks, wide.statistics.block_count);
+            EXPECT_EQ(walked.depth, wide.statistics.depth);
+            EXPECT_EQ(wide.statistics.triangle_count, count);
+            // A root with a leaf alone is not counted: a ray that meets its box is at the leaf.
+            const bool leaf_alone = walked.nodes == 1 && std::bit_cast<std::uint32_t>(wide.units[6].lanes[1]) == 0;
+            const double root = leaf_alone ? 1 : 0;
+            EXPECT_NEAR(wide.statistics.sah_cost, walked.cost / area_of(whole.upper - whole.lower) - root,
+                        1e-3 * wide.statistics.sah_cost);
+            EXPECT_EQ(wide.units.size(), wide.statistics.node_count * kernels::WIDE_NODE_UNITS +
+                                             wide.statistics.block_count * kernels::WIDE_BLOCK_UNITS);
+        }
     EXPECT_TRUE(build_wide_grains({}).units.empty());
+}
+
+// What is decided before the whole is known costs little.
+TEST(WideGrains, cost_little_more_than_the_best_hierarchy_over_the_same_binary_tree) {
+    for (const std::size_t count : {1000, 70000})
+        for (const bool all_sizes : {false, true}) {
+            const std::vector<kernels::Triangle> triangles =
+                all_sizes ? triangles_of_all_sizes(count, 12) : random_triangles(count, 12);
+            const double best = collapse_bvh(build_grain_bvh(boxes_of(triangles)), triangles).statistics.sah_cost;
+            const double cost = build_wide_grains(triangles).statistics.sah_cost;
+            EXPECT_LT(cost, 1.06 * best);
+            EXPECT_GT(cost, 0.99 * best);
+        }
+}
+
+// Boxes beyond what floats hold, and of no size: costs are infinite or nothing, and all is there.
+TEST(WideGrains, hold_every_triangle_where_areas_are_infinite_or_nothing) {
+    for (const float scale : {3e37f, 1e-38f, 0.0f}) {
+        std::vector<kernels::Triangle> triangles = random_triangles(3000, 13);
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            for (glm::vec3* const p : {&triangles[i].a, &triangles[i].b, &triangles[i].c})
+                *p *= i % 3 == 0 ? glm::vec3(scale, 0, scale) : glm::vec3(scale);
+        const WideBvh wide = build_wide_grains(triangles);
+        Walked walked;
+        walked.held.resize(triangles.size());
+        walk(wide, 0, {glm::vec3(-3.4e38f), glm::vec3(3.4e38f)}, 0, walked);
+        for (const int times : walked.held) ASSERT_EQ(times, 1);
+        EXPECT_EQ(walked.outside, 0u);
+    }
 }
 
 TEST(WideGrains, the_tree_does_not_depend_on_the_number_of_threads) {

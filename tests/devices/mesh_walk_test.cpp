@@ -410,7 +410,8 @@ TEST(MeshWalk, no_ray_leaves_a_closed_mesh) {
 
 TEST(MeshWalkSlow, ten_million_rays_stay_inside_of_a_closed_mesh) {
     const Built built(triangles_of(icosphere(7)));
-    EXPECT_EQ(leaks(built, vec3(0), 0.6f, 1000000), 0);
+    // The corners of the cube that rays begin in are within the ball, too.
+    EXPECT_EQ(leaks(built, vec3(0), 0.57f, 1000000), 0);
 }
 
 }  // namespace

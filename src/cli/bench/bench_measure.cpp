@@ -14,6 +14,25 @@ double processor_seconds() {
 
 namespace {
 
+// The upper one of two.
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+}  // namespace
+
+double build_milliseconds(const std::function<double()>& build) {
+    build();
+    std::vector<double> seconds;
+    for (double sum = 0; seconds.empty() || (seconds.size() < 5 && sum < 1); sum += seconds.back())
+        seconds.push_back(build());
+    return 1e3 * median(seconds);
+}
+
+namespace {
+
 using kernels::Hit;
 using kernels::Ray;
 
@@ -31,8 +50,7 @@ double rays_per_second(const Trace& trace, std::span<const Ray> rays, int repeat
             trace(rays.subspan(k, std::min(batch, rays.size() - k)), hits.data());
         seconds.push_back(processor_seconds() - start);
     }
-    std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
-    return double(rays.size()) / seconds[std::size_t(repeats) / 2];
+    return double(rays.size()) / median(seconds);
 }
 
 std::vector<Ray> every(std::size_t stride, const std::vector<Ray>& rays) {

@@ -1,6 +1,7 @@
 #pragma once
 // Structures against one set of rays: how fast they are, what they count, and whether they see the same.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct BenchRow {
 
 // Processor time of the whole program so far.
 double processor_seconds();
+
+// The median of several builds of one thing, in milliseconds; `build` returns the processor seconds that count. A first
+// one, which pays for memory and threads that are kept, is left out; more than five, and more than a second in all, are
+// not waited for.
+double build_milliseconds(const std::function<double()>& build);
 
 class Measurement {
   public:

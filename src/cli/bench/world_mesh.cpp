@@ -50,13 +50,27 @@ Hit as_hit(const WideHit& found) {
 
 namespace {
 
-BenchStructure compact_structure(const WorldMesh& mesh, const WidePreset& preset) {
-    const double start = processor_seconds();
-    const auto tree = std::make_shared<const WideBvh>(build_compact_mesh(mesh.triangles, preset));
+using BuildWide = WideBvh (*)(std::span<const kernels::Triangle>, const WidePreset&);
+
+// With the tree, on one thread.
+BenchStructure built(std::string name, BuildWide build, const WorldMesh& mesh, const WidePreset& preset,
+                     std::shared_ptr<const WideBvh>& tree) {
+    const ThreadLimit one(1);
     BenchStructure s;
-    s.name = "wide-bvh8-compact-" + std::string(preset.name);
-    s.build_ms = 1e3 * (processor_seconds() - start);
+    s.name = std::move(name) + "-" + std::string(preset.name);
+    s.build_ms = build_milliseconds([&] {
+        tree.reset();
+        const double start = processor_seconds();
+        tree = std::make_shared<const WideBvh>(build(mesh.triangles, preset));
+        return processor_seconds() - start;
+    });
     s.bytes = double(tree->units.size() * sizeof(kernels::WideUnit));
+    return s;
+}
+
+BenchStructure compact_structure(const WorldMesh& mesh, const WidePreset& preset) {
+    std::shared_ptr<const WideBvh> tree;
+    BenchStructure s = built("wide-bvh8-compact", build_compact_mesh, mesh, preset, tree);
     const WideMesh compact{tree->units.data(), mesh.lower, mesh.upper};
     s.closest = [tree, compact](std::span<const Ray> rays, Hit* hits) {
         for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = as_hit(compact_closest(compact, rays[i]));
@@ -74,13 +88,8 @@ std::vector<BenchStructure> wide_structures(const WorldMesh& mesh) {
     std::vector<BenchStructure> list;
     if (mesh.triangles.empty()) return list;
     for (const WidePreset& preset : wide_presets()) {
-        const ThreadLimit one(1);
-        const double start = processor_seconds();
-        const auto tree = std::make_shared<const WideBvh>(build_wide_mesh(mesh.triangles, preset));
-        BenchStructure s;
-        s.name = "wide-bvh8-" + std::string(preset.name);
-        s.build_ms = 1e3 * (processor_seconds() - start);
-        s.bytes = double(tree->units.size() * sizeof(kernels::WideUnit));
+        std::shared_ptr<const WideBvh> tree;
+        BenchStructure s = built("wide-bvh8", build_wide_mesh, mesh, preset, tree);
         const WideMesh wide{tree->units.data(), mesh.lower, mesh.upper};
         s.closest = [tree, wide](std::span<const Ray> rays, Hit* hits) {
             for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = as_hit(wide_closest(wide, rays[i]));
