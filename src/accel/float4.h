@@ -26,6 +26,7 @@ struct Float4 {
     static Float4 load(const float* p) { return Float4(_mm_load_ps(p)); }  // aligned to 16 bytes
     static Float4 load_anywhere(const float* p) { return Float4(_mm_loadu_ps(p)); }
     void store(float* p) const { _mm_store_ps(p, v); }
+    void store_anywhere(float* p) const { _mm_storeu_ps(p, v); }
 };
 
 inline Float4 operator+(Float4 a, Float4 b) { return Float4(_mm_add_ps(a.v, b.v)); }
@@ -69,6 +70,7 @@ struct alignas(16) Float4 {
     void store(float* p) const {
         for (int i = 0; i < 4; ++i) p[i] = v[std::size_t(i)];
     }
+    void store_anywhere(float* p) const { store(p); }
 };
 
 template <class Operation>

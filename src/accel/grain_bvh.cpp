@@ -20,6 +20,7 @@ using kernels::BvhNode;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t grain_most = 32;  // primitives
+static_assert(grain_most <= wide_width * wide_block, "a grain has to fit into a node");
 
 void prefetch(const Box& box) { __builtin_prefetch(&box); }
 void prefetch(const kernels::Triangle& triangle) {
@@ -49,16 +50,24 @@ class Divider {
             std::uint32_t leaf)
         : primitives_(primitives), order_(order), leaves_for_(leaves_for), leaf_(leaf) {}
 
+    // Of the boxes of a grain from where the part that is divided begins up to each of them, and from each to where it
+    // ends, the hull and half its area.
     struct Scratch {
-        std::array<SignedBounds, grain_most> boxes;
-        std::array<SignedBounds, grain_most> before, from;  // the hulls of boxes before a cut, and from it on …
-        alignas(16) std::array<float, grain_most> area_before, area_from;  // … and half their areas
+        std::array<SignedBounds, grain_most> boxes, before, from;
+        alignas(16) std::array<float, grain_most> area_before, area_from;
     };
 
     // Primitives are wanted in another order than they stand in.
     void prefetch(const MortonGrain& grain) const {
-        for (const std::uint32_t index : indices_of(grain.begin, grain.end - grain.begin))
+        for (const std::uint32_t index : order_.subspan(grain.begin, grain.end - grain.begin))
             spinel::prefetch(primitives_[index]);
+    }
+
+    SignedBounds bounds(const MortonGrain& grain) const {
+        SignedBounds all;
+        for (const std::uint32_t index : order_.subspan(grain.begin, grain.end - grain.begin))
+            all.extend(signed_bounds(primitives_[index]));
+        return all;
     }
 
     // Nodes below the root stand from `nodes[free]` on, two for each leaf but one. Leaves, which are as few as can hold
@@ -66,70 +75,83 @@ class Divider {
     template <class MakeLeaf>
     void divide(const MortonGrain& grain, BvhNode& root, BvhNode* nodes, std::size_t free, const MakeLeaf& make_leaf,
                 Scratch& scratch) const {
-        const auto indices = indices_of(grain.begin, grain.end - grain.begin);
+        const auto indices = order_.subspan(grain.begin, grain.end - grain.begin);
         SignedBounds all;
         for (std::size_t i = 0; i < indices.size(); ++i) {
             scratch.boxes[i] = signed_bounds(primitives_[indices[i]]);
             all.extend(scratch.boxes[i]);
         }
-        divide({grain.begin, free, std::span(scratch.boxes).first(indices.size())}, all, root, nodes, make_leaf,
-               scratch);
+        sweep_before(0, indices.size(), scratch);
+        sweep_from(0, indices.size(), scratch);
+        divide({grain.begin, 0, indices.size(), free}, all, root, nodes, make_leaf, scratch);
     }
 
   private:
     // What is below a node.
     struct Part {
-        std::size_t place, free;  // where its primitives and nodes begin
-        std::span<const SignedBounds> boxes;
+        std::size_t place;       // where the indices of the grain begin
+        std::size_t begin, end;  // of its primitives, from there on
+        std::size_t free;        // where its nodes begin
     };
 
-    std::span<const std::uint32_t> indices_of(std::size_t place, std::size_t count) const {
-        return order_.subspan(place, count);
-    }
-
+    // Both sweeps have been made for the part.
     template <class MakeLeaf>
     void divide(const Part& part, SignedBounds all, BvhNode& node, BvhNode* nodes, const MakeLeaf& make_leaf,
                 Scratch& scratch) const {
-        node.lower = lower_of(all);
-        node.upper = upper_of(all);
-        const auto [place, free, boxes] = part;
-        if (boxes.size() <= leaf_) {
-            make_leaf(place, indices_of(place, boxes.size()), node);
+        put_bounds(all, node);
+        const auto [place, begin, end, free] = part;
+        if (end - begin <= leaf_) {
+            make_leaf(place + begin, order_.subspan(place + begin, end - begin), node);
             return;
         }
         node.first = std::uint32_t(free);
         node.count = 0;
-        const std::size_t left = best_cut(boxes, scratch), leaves = leaves_for_(left);
-        const SignedBounds before = scratch.before[left], from = scratch.from[left];
-        divide({place, free + 2, boxes.first(left)}, before, nodes[free], nodes, make_leaf, scratch);
-        divide({place + left, free + 2 * leaves, boxes.subspan(left)}, from, nodes[free + 1], nodes, make_leaf,
-               scratch);
+        const std::size_t middle = best_cut(begin, end, scratch), leaves = leaves_for_(middle - begin);
+        const SignedBounds before = scratch.before[middle], from = scratch.from[middle];
+        // The sweep from a part's other end is that of its parent, as far as it goes.
+        sweep_from(begin, middle, scratch);
+        divide({place, begin, middle, free + 2}, before, nodes[free], nodes, make_leaf, scratch);
+        sweep_before(middle, end, scratch);
+        divide({place, middle, end, free + 2 * leaves}, from, nodes[free + 1], nodes, make_leaf, scratch);
     }
 
-    // The cut with the least area for each leaf, of those that make no more leaves; how many boxes go left.
-    std::size_t best_cut(std::span<const SignedBounds> boxes, Scratch& scratch) const {
-        const std::size_t count = boxes.size(), leaves = leaves_for_(count);
-        auto& [_, before, from, area_before, area_from] = scratch;
-        SignedBounds low, high;
-        for (std::size_t i = 1; i < count; ++i) {
-            low.extend(boxes[i - 1]);
-            high.extend(boxes[count - i]);
-            before[i] = low;
-            from[count - i] = high;
+    void sweep_before(std::size_t begin, std::size_t end, Scratch& scratch) const {
+        if (end - begin <= leaf_) return;
+        SignedBounds hull;
+        for (std::size_t i = begin + 1; i < end; ++i) {
+            hull.extend(scratch.boxes[i - 1]);
+            scratch.before[i] = hull;
         }
-        for (std::size_t i = 0; i < count; i += 4) {
-            half_areas(before[i], before[i + 1], before[i + 2], before[i + 3]).store(&area_before[i]);
-            half_areas(from[i], from[i + 1], from[i + 2], from[i + 3]).store(&area_from[i]);
+        measure(begin + 1, end, scratch.before, scratch.area_before);
+    }
+    void sweep_from(std::size_t begin, std::size_t end, Scratch& scratch) const {
+        if (end - begin <= leaf_) return;
+        SignedBounds hull;
+        for (std::size_t i = end - 1; i > begin; --i) {
+            hull.extend(scratch.boxes[i]);
+            scratch.from[i] = hull;
         }
-        std::size_t best = leaf_;
+        measure(begin + 1, end, scratch.from, scratch.area_from);
+    }
+    // Four at once; those beside them come out as they were.
+    static void measure(std::size_t begin, std::size_t end, const std::array<SignedBounds, grain_most>& hulls,
+                        std::array<float, grain_most>& areas) {
+        for (std::size_t i = begin / 4 * 4; i < end; i += 4)
+            half_areas(hulls[i], hulls[i + 1], hulls[i + 2], hulls[i + 3]).store(&areas[i]);
+    }
+
+    // The cut with the least area for each leaf, of those that make no more leaves: where the right part begins.
+    std::size_t best_cut(std::size_t begin, std::size_t end, const Scratch& scratch) const {
+        const std::size_t leaves = leaves_for_(end - begin);
+        std::size_t best = begin + leaf_;
         float least = infinity;
-        for (std::size_t left = 1; left < count; ++left) {
-            const std::size_t leaves_left = leaves_for_(left), leaves_right = leaves_for_(count - left);
-            if (leaves_left + leaves_right > leaves) continue;
-            const float cost = area_before[left] * float(leaves_left) + area_from[left] * float(leaves_right);
+        for (std::size_t cut = begin + 1; cut < end; ++cut) {
+            const std::size_t left = leaves_for_(cut - begin), right = leaves_for_(end - cut);
+            if (left + right > leaves) continue;
+            const float cost = scratch.area_before[cut] * float(left) + scratch.area_from[cut] * float(right);
             if (cost < least) {  // NaN never wins
                 least = cost;
-                best = left;
+                best = cut;
             }
         }
         return best;
@@ -201,10 +223,11 @@ Bvh build_grain_bvh(std::span<const Box> boxes, const GrainBvhOptions& options) 
 
 namespace {
 
-// From triangles to a wide hierarchy: most grains become a node of it as they are divided, their blocks its children.
-// Only the others, in which there are few blocks or which are large, are parts of the binary tree that is planned over
-// them: a third of the time is saved. (Large ones are few, but they are what most rays meet, so their blocks' places in
-// the hierarchy are worth it: with them Sponza costs 25.1, without 27.4, if all grains are planned 25.0.)
+constexpr std::size_t least_grains = 64;  // below which all are planned: there is no time to be saved
+
+// From triangles to a wide hierarchy: grains become nodes of it as they are divided, their blocks the children. Only
+// those of few blocks, and the largest, are parts of the binary tree that is planned over all: a quarter of the time is
+// saved. The largest are what most rays meet, so where their blocks stand in the hierarchy is worth it.
 class WideGrains {
   public:
     WideGrains(std::span<const kernels::Triangle> triangles, const MortonGrains& sorted, const WideBvhOptions& options)
@@ -213,19 +236,20 @@ class WideGrains {
           options_(options),
           divider_(triangles, sorted.order, leaves_for_, wide_block),
           places_(grains_.size()) {
-        const glm::vec3 e = sorted.centers.upper - sorted.centers.lower;
-        large_ = 4 * (e.x * e.y + e.y * e.z + e.z * e.x) / float(grains_.size());
         std::uint32_t blocks = 0, ready = 0;
         for (std::size_t g = 0; g < grains_.size(); ++g) {
             places_[g] = {blocks, ready};
             blocks += std::uint32_t(leaves_for_(grains_[g]));
             ready += may_be_ready(grains_[g]);
         }
+        if (ready > 0) largest_ready_area_ = area_of_large();
         next_node_ = 2 * grains_.size() - 1;
         nodes_.resize(next_node_ + 2 * (blocks - grains_.size()));
         ready_.resize(ready);
         parts_ = WideParts(blocks, ready);
     }
+    WideGrains(const WideGrains&) = delete;
+    WideGrains& operator=(const WideGrains&) = delete;
 
     WideBvh run() {
         HugeVector<BvhNode> roots(grains_.size());
@@ -240,8 +264,24 @@ class WideGrains {
         std::uint32_t block, ready;
     };
 
-    // A grain that is all there is has no node above it.
-    bool may_be_ready(const MortonGrain& grain) const { return leaves_for_(grain) >= 4 && grains_.size() > 1; }
+    bool may_be_ready(const MortonGrain& grain) const {
+        return leaves_for_(grain) >= 4 && grains_.size() >= least_grains;
+    }
+
+    // What an eighth of the grains is larger than, as far as some of them tell.
+    float area_of_large() const {
+        const std::size_t count = std::min<std::size_t>(grains_.size(), 128);
+        const auto grain = [&](std::size_t i) { return grains_[i * grains_.size() / count]; };
+        std::vector<float> areas;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (i + 4 < count) divider_.prefetch(grain(i + 4));
+            const SignedBounds bounds = divider_.bounds(grain(i));
+            areas.push_back(cost_area({lower_of(bounds), 0, upper_of(bounds), 0}));
+        }
+        const auto at = areas.begin() + std::ptrdiff_t(count - 1 - count / 8);
+        std::nth_element(areas.begin(), at, areas.end());
+        return *at;
+    }
 
     // Returns its root in the binary tree.
     BvhNode divide(std::size_t g, Divider<kernels::Triangle>::Scratch& scratch) {
@@ -259,14 +299,14 @@ class WideGrains {
                 write_wide_block(triangles_, indices, parts_.block(block)->lanes);
                 node.first = block;
                 node.count = 1;
-                areas[count] = half_area(node);
+                areas[count] = cost_area(node);
                 cost += areas[count] * options_.block_cost;
                 children[count++] = {&node, WideParts::block_reference(block, 1)};
             },
             scratch);
         if (!may_be_ready(grains_[g])) return in_binary_tree(root, nodes, count);
-        const float area = half_area(root);
-        if (area > large_) {
+        const float area = cost_area(root);
+        if (area > largest_ready_area_) {
             ready_[ready].primitives = 0;
             return in_binary_tree(root, nodes, count);
         }
@@ -296,7 +336,7 @@ class WideGrains {
     const LeafCounts leaves_for_{wide_block};
     Divider<kernels::Triangle> divider_;
     HugeVector<Place> places_;
-    float large_;                // half the area of a grain that is
+    float largest_ready_area_ = 0;
     HugeVector<BvhNode> nodes_;  // of the binary tree, as many as there can be, those of the top first
     std::atomic<std::size_t> next_node_;
     HugeVector<WideReady> ready_;

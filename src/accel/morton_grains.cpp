@@ -109,7 +109,7 @@ void sort_keys(HugeVector<std::uint64_t>& keys) {
 
 // Of the boxes that are finite and ordered, sorted.
 template <class Primitives>
-HugeVector<std::uint64_t> sorted_keys(const Primitives& boxes, Box& hull) {
+HugeVector<std::uint64_t> sorted_keys(const Primitives& boxes) {
     const std::size_t chunks = (boxes.size() + chunk - 1) / chunk;
     struct Part {
         SignedBounds centers;
@@ -138,7 +138,6 @@ HugeVector<std::uint64_t> sorted_keys(const Primitives& boxes, Box& hull) {
         count += part.usable;
         part.usable = first;
     }
-    hull = {lower_of(centers), upper_of(centers)};
     HugeVector<std::uint64_t> keys(count);
     const Curve curve(centers);
     const auto key_of = [&](const SignedBounds& box, std::size_t i) {
@@ -226,8 +225,8 @@ class Cutter {
 template <class Primitives>
 MortonGrains grains_of(const Primitives& boxes, std::uint32_t most) {
     assert(most >= 1 && boxes.size() <= kernels::BVH_MAX_PRIMITIVES);
+    HugeVector<std::uint64_t> keys = sorted_keys(boxes);
     MortonGrains out;
-    HugeVector<std::uint64_t> keys = sorted_keys(boxes, out.centers);
     if (keys.empty()) return out;
     Cutter(boxes, keys, most).cut(0, keys.size(), 16, out.grains);
     out.order.resize(keys.size());

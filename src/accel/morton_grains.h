@@ -18,7 +18,6 @@ struct MortonGrains {
     std::vector<std::uint32_t>
         order;                        // of boxes along the curve; those that are not finite or not ordered are left out
     std::vector<MortonGrain> grains;  // in that order, of 1 … `most` boxes
-    Box centers;                      // the hull of their centres; of no meaning without any
 };
 
 // Independent of the number of threads. At most BVH_MAX_PRIMITIVES boxes.

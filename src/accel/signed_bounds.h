@@ -6,6 +6,8 @@
 #include <immintrin.h>
 #endif
 
+#include <cstddef>
+
 #include "accel/float4.h"
 
 namespace spinel {
@@ -86,6 +88,12 @@ inline glm::vec3 lower_of(SignedBounds b) {
 inline glm::vec3 upper_of(SignedBounds b) {
     const auto l = lanes_of(b.upper());
     return {l[0], l[1], l[2]};
+}
+// Into the node's box; `first` and `count` are of no meaning afterwards.
+inline void put_bounds(SignedBounds b, kernels::BvhNode& node) {
+    static_assert(offsetof(kernels::BvhNode, upper) == 16 && sizeof node == 32);
+    (Float4(0.0f) - b.negated_lower()).store_anywhere(&node.lower.x);
+    b.upper().store_anywhere(&node.upper.x);
 }
 inline Float4 extent_of(SignedBounds b) { return b.upper() + b.negated_lower(); }
 // Whether it is finite and ordered; false for NaN.

@@ -87,12 +87,13 @@ class Builder {
         node.first = std::uint32_t(first);
         node.count = std::uint32_t(record.references.size());
         for (std::size_t i = 0; i < record.references.size(); ++i) order_[first + i] = record.references[i].primitive();
-        std::sort(&order_[first], &order_[first] + record.references.size());
+        if (record.references.size() > 1) std::sort(&order_[first], &order_[first] + record.references.size());
     }
 
     static void share_growth(const Record& record, Record& left, Record& right) {
         const std::size_t spent = left.references.size() + right.references.size() - record.references.size();
         const std::size_t rest = record.growth - std::min(spent, record.growth);
+        if (rest == 0) return;
         left.growth = std::size_t(double(rest) * double(left.references.size()) /
                                   double(left.references.size() + right.references.size()));
         right.growth = rest - left.growth;

@@ -157,17 +157,25 @@ WideBvh collapse_parts(std::span<const kernels::BvhNode> binary, WideParts parts
                        const WideBvhOptions& options) {
     const WideLeaves leaves{1, [](std::uint32_t, std::uint32_t count) { return count; }, ready};
     const WidePlan plan = plan_wide_bvh(binary, options, leaves);
-    // Where nodes of the plan stand: in place of those that are not there, then behind all others.
-    std::vector<std::uint32_t> units{0};
-    units.reserve(plan.nodes.size());
-    std::size_t ready_count = 0;
+    // Where nodes stand: those of the plan in place of those that are not there, then behind all others.
+    std::vector<std::uint32_t> ready_units(ready.size()), plan_units{0}, holes;
     for (std::size_t r = 0; r < ready.size(); ++r) {
-        ready_count += ready[r].primitives > 0;
-        if (ready[r].primitives == 0 && units.size() < plan.nodes.size()) units.push_back(parts.unit_of_ready(r));
+        ready_units[r] = parts.unit_of_ready(r);
+        if (ready[r].primitives == 0) holes.push_back(std::uint32_t(r));
     }
-    for (std::size_t next = ready.size(); units.size() < plan.nodes.size();)
-        units.push_back(parts.unit_of_ready(next++));
-    parts.units_.resize(std::max(parts.units_.size(), units.back() + std::size_t(kernels::WIDE_NODE_UNITS)));
+    const std::size_t node_count = plan.nodes.size() + ready.size() - holes.size();
+    std::size_t end = ready.size(), hole = 0;
+    while (plan_units.size() < plan.nodes.size())
+        plan_units.push_back(parts.unit_of_ready(hole < holes.size() ? holes[hole++] : end++));
+    while (hole < holes.size()) {  // the last nodes take the places that are left
+        --end;
+        if (holes.back() == end) holes.pop_back();
+        else {
+            std::copy_n(parts.ready(end), kernels::WIDE_NODE_UNITS, parts.ready(holes[hole]));
+            ready_units[end] = parts.unit_of_ready(holes[hole++]);
+        }
+    }
+    parts.units_.resize(parts.unit_of_ready(end));
     WideBvh out;
     out.units = std::move(parts.units_);
     parallel_for(plan.nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -178,15 +186,14 @@ WideBvh collapse_parts(std::span<const kernels::BvhNode> binary, WideParts parts
             for (std::uint32_t i = 0; i < node.count; ++i) {
                 const std::uint32_t first = node.firsts[i], count = node.counts[i];
                 children[i].box = &binary[node.children[i]];
-                children[i].reference = count == 0            ? units[node.nodes[i]]
-                                        : count == wide_ready ? parts.unit_of_ready(first)
+                children[i].reference = count == 0            ? plan_units[node.nodes[i]]
+                                        : count == wide_ready ? ready_units[first]
                                                               : WideParts::block_reference(first, count);
             }
-            write_wide_node(std::span(children).first(node.count), &out.units[units[n]]);
+            write_wide_node(std::span(children).first(node.count), &out.units[plan_units[n]]);
         }
     });
-    out.statistics = {plan.sah_cost, plan.depth, std::uint32_t(plan.nodes.size() + ready_count), plan.triangle_count,
-                      plan.triangle_count};
+    out.statistics = {plan.sah_cost, plan.depth, std::uint32_t(node_count), plan.triangle_count, plan.triangle_count};
     return out;
 }
 

@@ -62,10 +62,13 @@ class Choice {
     // As one child, a leaf is the cheapest.
     bool leaf() const { return choices_ & leaf_bit; }
     void set_leaf() { choices_ |= leaf_bit; }
+    // It is a node that stands already.
+    bool ready() const { return choices_ & ready_bit; }
+    void set_ready() { choices_ |= ready_bit; }
     void clear() { choices_ = 0; }
 
   private:
-    static constexpr std::uint32_t leaf_bit = 1u << 31;
+    static constexpr std::uint32_t leaf_bit = 1u << 31, ready_bit = 1u << 30;
     std::uint32_t choices_;
 };
 
@@ -81,7 +84,7 @@ class Planner {
         Costs root;
         choose(0, binary_.size() < parallel_nodes ? parallel_depth : 0, root);
         place();
-        const double root_area = half_area(binary_[0]);
+        const double root_area = cost_area(binary_[0]);
         out_.sah_cost = root_area > 0 ? root[1] / root_area : 0;
         return std::move(out_);
     }
@@ -117,7 +120,7 @@ class Planner {
         Choice& choice = choices_[n];
         choice.clear();
         join(choices_[node.first], choices_[node.first + 1], choice);
-        const float area = half_area(node);
+        const float area = cost_area(node);
         choice.promise = area / float(choice.count);
         choice.below = node.first;
         float single = area * options_.node_cost + std::bit_cast<float>(least[width - 1] & ~7u);
@@ -139,18 +142,19 @@ class Planner {
 
     float choose_leaf(std::uint32_t n) {
         const BvhNode& node = binary_[n];
-        const float area = half_area(node);
+        const float area = cost_area(node);
         Choice& choice = choices_[n];
         choice.clear();
-        choice.set_leaf();
         choice.below = n;
         if (node.count == wide_ready) {
+            choice.set_ready();
             const WideReady& ready = leaves_.ready[node.first];
             choice.first = scattered;
             choice.count = ready.primitives;
             choice.promise = area / float(ready.primitives);
             return ready.cost;
         }
+        choice.set_leaf();
         choice.first = node.first;
         choice.count = node.count;
         choice.promise = area / float(node.count);
@@ -228,9 +232,8 @@ class Planner {
                 const Choice& c = choices_[node.children[i]];
                 node.firsts[i] = c.first;
                 node.counts[i] = c.leaf() ? c.count : 0;
-                if (!c.leaf()) continue;
-                out_.triangle_count += c.count;
-                if (c.first != scattered) continue;
+                if (c.leaf() || c.ready()) out_.triangle_count += c.count;
+                if (!c.ready()) continue;
                 node.firsts[i] = binary_[node.children[i]].first;
                 node.counts[i] = wide_ready;
                 out_.depth = std::max(out_.depth, pending.depth + 1);
@@ -252,7 +255,7 @@ class Planner {
 
 }  // namespace
 
-float half_area(const BvhNode& node) {
+float cost_area(const BvhNode& node) {
     const glm::vec3 e = node.upper - node.lower;
     const float area = e.x * e.y + e.y * e.z + e.z * e.x;
     return area >= 0 ? area : std::numeric_limits<float>::infinity();

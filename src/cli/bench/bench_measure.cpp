@@ -23,11 +23,10 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-double build_milliseconds(const std::function<double()>& build) {
-    build();
+double median_build_ms(const std::function<double()>& build) {
+    for (int i = 0; i < 2; ++i) build();
     std::vector<double> seconds;
-    for (double sum = 0; seconds.empty() || (seconds.size() < 5 && sum < 1); sum += seconds.back())
-        seconds.push_back(build());
+    for (int i = 0; i < 3; ++i) seconds.push_back(build());
     return 1e3 * median(seconds);
 }
 

@@ -22,10 +22,9 @@ struct BenchRow {
 // Processor time of the whole program so far.
 double processor_seconds();
 
-// The median of several builds of one thing, in milliseconds; `build` returns the processor seconds that count. A first
-// one, which pays for memory and threads that are kept, is left out; more than five, and more than a second in all, are
-// not waited for.
-double build_milliseconds(const std::function<double()>& build);
+// The median of three builds of one thing, in milliseconds; `build` returns the processor seconds that count. Two
+// before them, which pay for memory and threads that are kept, are left out.
+double median_build_ms(const std::function<double()>& build);
 
 class Measurement {
   public:

@@ -47,7 +47,7 @@ struct Built {
                 return true;
             },
             this);
-        build_ms = build_milliseconds([&] {
+        build_ms = median_build_ms([&] {
             if (scene) rtcReleaseScene(scene);
             bytes = 0;
             scene = rtcNewScene(device);

@@ -58,7 +58,7 @@ BenchStructure built(std::string name, BuildWide build, const WorldMesh& mesh, c
     const ThreadLimit one(1);
     BenchStructure s;
     s.name = std::move(name) + "-" + std::string(preset.name);
-    s.build_ms = build_milliseconds([&] {
+    s.build_ms = median_build_ms([&] {
         tree.reset();
         const double start = processor_seconds();
         tree = std::make_shared<const WideBvh>(build(mesh.triangles, preset));

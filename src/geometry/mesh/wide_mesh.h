@@ -15,7 +15,7 @@ namespace spinel {
 struct WidePreset {
     std::string_view name;
     std::string_view doc;
-    bool grains;             // by build_grain_bvh() …
+    bool grains;             // by build_wide_grains(), if compact by build_grain_bvh() …
     SplitBvhOptions binary;  // … or else by build_split_bvh()
     WideBvhOptions wide;
 };
