@@ -223,6 +223,7 @@ Bvh build_grain_bvh(std::span<const Box> boxes, const GrainBvhOptions& options) 
 
 namespace {
 
+constexpr std::size_t least_blocks = 4;   // in a grain that becomes a node
 constexpr std::size_t least_grains = 64;  // below which all are planned: there is no time to be saved
 
 // From triangles to a wide hierarchy: grains become nodes of it as they are divided, their blocks the children. Only
@@ -248,8 +249,6 @@ class WideGrains {
         ready_.resize(ready);
         parts_ = WideParts(blocks, ready);
     }
-    WideGrains(const WideGrains&) = delete;
-    WideGrains& operator=(const WideGrains&) = delete;
 
     WideBvh run() {
         HugeVector<BvhNode> roots(grains_.size());
@@ -265,7 +264,7 @@ class WideGrains {
     };
 
     bool may_be_ready(const MortonGrain& grain) const {
-        return leaves_for_(grain) >= 4 && grains_.size() >= least_grains;
+        return leaves_for_(grain) >= least_blocks && grains_.size() >= least_grains;
     }
 
     // What an eighth of the grains is larger than, as far as some of them tell.
