@@ -21,8 +21,8 @@ struct GrainBvhOptions {
 Bvh build_grain_bvh(std::span<const Box> boxes, const GrainBvhOptions& options = {});
 
 // From triangles to a wide hierarchy: a few hundredths dearer for rays than what collapse_bvh() makes of the binary one
-// over their boxes, and with a tenth more nodes. Blocks and most nodes are written while groups are divided, so that
-// their triangles, which lie all over memory, are fetched once.
+// over their boxes, and of scans and rooms with a tenth more nodes. Blocks and most nodes are written while groups are
+// divided, so that their triangles, which lie all over memory, are fetched once.
 WideBvh build_wide_grains(std::span<const kernels::Triangle> triangles, const WideBvhOptions& options = {});
 
 }  // namespace spinel

@@ -149,7 +149,7 @@ void write_wide_node(std::span<const WideChild> children, kernels::WideUnit* uni
 
 WideParts::WideParts(std::size_t blocks, std::size_t ready) : first_ready_(unit_of_block(blocks)) {
     // Memory that is asked for and not touched costs nothing.
-    units_.reserve(unit_of_ready(ready + blocks / 8));
+    units_.reserve(unit_of_ready(ready + (ready > 0 ? blocks / 8 : blocks / 4)));
     units_.resize(unit_of_ready(ready));
 }
 

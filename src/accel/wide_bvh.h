@@ -65,7 +65,7 @@ class WideParts {
     }
 
     std::uint32_t first_ready_ = 0;
-    HugeVector<kernels::WideUnit> units_;  // the root, blocks, nodes that are ready, others
+    HugeVector<kernels::WideUnit> units_;  // the root, blocks, nodes that are ready and others
 };
 
 // As collapse_bvh(), with `binary` over blocks, one in each leaf, which its `first` names, and over nodes that are

@@ -334,15 +334,68 @@ TEST(WideGrains, hold_every_triangle_once_inside_of_all_boxes_above_and_cost_wha
         check_wide_grains(triangles_of_all_sizes(count, 10));
         check_wide_grains(triangles_along_a_line(count));
     }
-    for (const int rows : {5, 20, 40, 130}) {
+    for (const int rows : {5, 20, 40, 90, 130}) {
         SCOPED_TRACE(rows);
         check_wide_grains(bumpy_ball(rows));
     }
     EXPECT_TRUE(build_wide_grains({}).units.empty());
 }
 
+// Three nodes that are ready, of forty that might have been, and one above them: the others' places are not kept.
+TEST(WideParts, nodes_move_to_the_places_of_those_that_are_not_there) {
+    std::vector<kernels::Triangle> triangles;
+    for (int i = 0; i < 24; ++i) {
+        const auto x = float(i);
+        triangles.push_back({{x, 0, 0}, {x + 0.5f, 1, 0}, {x, 0, 1}});
+    }
+    const std::vector<Box> boxes = boxes_of(triangles);
+    const auto hull = [&](std::size_t begin, std::size_t end) {
+        kernels::BvhNode node = {boxes[begin].lower, 0, boxes[begin].upper, 0};
+        for (std::size_t i = begin; i < end; ++i) {
+            node.lower = glm::min(node.lower, boxes[i].lower);
+            node.upper = glm::max(node.upper, boxes[i].upper);
+        }
+        return node;
+    };
+    WideParts parts(6, 40);
+    std::vector<WideReady> ready(40, WideReady{0, 0});
+    std::vector<kernels::BvhNode> leaves;
+    for (const std::uint32_t number : {5u, 20u, 39u}) {
+        const std::uint32_t first = 2 * std::uint32_t(leaves.size());
+        std::array<kernels::BvhNode, 2> children;
+        std::array<WideChild, 2> named;
+        for (std::uint32_t i = 0; i < 2; ++i) {
+            std::array<std::uint32_t, wide_block> indices;
+            for (std::uint32_t k = 0; k < wide_block; ++k) indices[k] = wide_block * (first + i) + k;
+            write_wide_block(triangles, indices, parts.block(first + i)->lanes);
+            children[i] = hull(indices[0], indices[3] + 1);
+            named[i] = {&children[i], WideParts::block_reference(first + i, 1)};
+        }
+        write_wide_node(named, parts.ready(number));
+        leaves.push_back(hull(wide_block * first, wide_block * (first + 2)));
+        leaves.back().first = number;
+        leaves.back().count = wide_ready;
+        ready[number] = {3, 2};
+    }
+    kernels::BvhNode root = hull(0, 24), right = hull(8, 24);
+    root.first = 1;
+    right.first = 3;
+    const std::vector<kernels::BvhNode> binary = {root, leaves[0], right, leaves[1], leaves[2]};
+    const WideBvh wide = collapse_parts(binary, std::move(parts), ready);
+    Walked walked;
+    walked.held.resize(triangles.size());
+    walk(wide, 0, {root.lower, root.upper}, 0, walked);
+    EXPECT_EQ(std::count(walked.held.begin(), walked.held.end(), 1), 24);
+    EXPECT_EQ(walked.outside, 0u);
+    EXPECT_EQ(walked.nodes, 4u);
+    EXPECT_EQ(wide.statistics.node_count, 4u);
+    EXPECT_EQ(wide.statistics.block_count, 6u);
+    EXPECT_EQ(wide.statistics.depth, 1u);
+    EXPECT_EQ(wide.units.size(), 4 * kernels::WIDE_NODE_UNITS + 6 * kernels::WIDE_BLOCK_UNITS);
+}
+
 TEST(WideGrains, of_few_cost_what_the_best_hierarchy_over_the_same_binary_tree_costs) {
-    for (const std::size_t count : {1, 8, 33, 40, 70, 500}) {
+    for (const std::size_t count : {1, 8, 33, 40, 70, 500, 2500}) {
         const std::vector<kernels::Triangle> triangles = random_triangles(count, 12);
         const double best = planned_cost(triangles);
         EXPECT_NEAR(build_wide_grains(triangles).statistics.sah_cost, best, 0.005 * best);
