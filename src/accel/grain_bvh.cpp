@@ -294,7 +294,7 @@ class WideGrains {
 
     // Returns its root in the binary tree.
     BvhNode divide(std::size_t g, Divider<kernels::Triangle>::Scratch& scratch) {
-        const auto [first_block, ready] = places_[g];
+        const Place place = places_[g];
         BvhNode root;
         std::array<BvhNode, 2 * wide_width> nodes;  // below the root
         std::array<WideChild, wide_width> children;
@@ -304,7 +304,7 @@ class WideGrains {
         divider_.divide(
             grains_[g], root, nodes.data(), 0,
             [&](std::size_t, std::span<const std::uint32_t> indices, BvhNode& node) {
-                const std::uint32_t block = first_block + count;
+                const std::uint32_t block = place.block + count;
                 write_wide_block(triangles_, indices, parts_.block(block)->lanes);
                 node.first = block;
                 node.count = 1;
@@ -316,13 +316,13 @@ class WideGrains {
         if (!may_be_ready(grains_[g])) return in_binary_tree(root, nodes, count);
         const float area = cost_area(root);
         if (area > largest_ready_area_) {
-            ready_[ready].primitives = 0;
+            ready_[place.ready].primitives = 0;
             return in_binary_tree(root, nodes, count);
         }
         sort_by_promise(std::span(children).first(count), areas);
-        write_wide_node(std::span(children).first(count), parts_.ready(ready));
-        ready_[ready] = {cost + area * options_.node_cost, count};
-        root.first = ready;
+        write_wide_node(std::span(children).first(count), parts_.ready(place.ready));
+        ready_[place.ready] = {cost + area * options_.node_cost, count};
+        root.first = place.ready;
         root.count = wide_ready;
         return root;
     }

@@ -168,7 +168,8 @@ std::function<int()> bench_command(CLI::App& app, const CommonOptions& common) {
     app.add_option("--repeats", o->repeats, "runs, of which the median counts")
         ->check(CLI::Range(1, 99))
         ->capture_default_str();
-    app.add_option("--structures", o->meshes.structures, "rows `meshes`: only these of `spinel list accelerators`, by commas")
+    app.add_option("--structures", o->meshes.structures,
+                   "rows `meshes`: only these of `spinel list accelerators`, by commas")
         ->delimiter(',');
     app.add_option("--triangle-test", o->meshes.triangle_test, "`spinel list triangle-tests` (default: the scene's)");
     app.add_flag("--scaling", o->scaling, "also how structures grow, on coarser versions of the largest mesh");
