@@ -37,8 +37,8 @@ void write_wide_block(std::span<const kernels::Triangle> triangles, std::span<co
                       float* rows);
 
 struct WideChild {
-    const kernels::BvhNode* box;
-    std::uint32_t reference;
+    const kernels::BvhNode* box;  // its bounds alone are read
+    std::uint32_t reference;      // as WideUnit has it: the unit of a node, or that of blocks and how many they are
 };
 // At most eight children, in their order.
 void write_wide_node(std::span<const WideChild> children, kernels::WideUnit* units);
@@ -69,7 +69,8 @@ class WideParts {
 };
 
 // As collapse_bvh(), with `binary` over blocks, one in each leaf, which its `first` names, and over nodes that are
-// ready; those of no primitives are not there. Counts blocks as triangles.
+// ready, which hold blocks alone and may be moved; those of no primitives are not there. Its root is none of them.
+// Counts blocks as triangles.
 WideBvh collapse_parts(std::span<const kernels::BvhNode> binary, WideParts parts, std::span<const WideReady> ready,
                        const WideBvhOptions& options = {});
 
